@@ -1,0 +1,47 @@
+# make demo | make test | make bench | make studies | make check: each sets itself up (.venv, package indexes only).
+PYTHON ?= $(shell for p in python3.12 python3.11 python3; do \
+  if $$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))' 2>/dev/null; then echo $$p; break; fi; done)
+VENV ?= .venv
+BIN := $(VENV)/bin
+OUT ?= out/demo
+# A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
+ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
+
+.PHONY: demo test check bench studies clean
+.DEFAULT_GOAL := help
+
+help:
+	@echo "make demo    fly the orientation task in the ROS 2 graph; leaves a bag and a summary in $(OUT)"
+	@echo "make test    the whole test suite with ruff, mypy and the import test"
+	@echo "make check   ruff and mypy only"
+	@echo "make bench   speed of the plant, the loop, the graph and the log"
+
+$(VENV)/bin/uv:
+	@test -n "$(PYTHON)" || { echo "Python 3.11 or 3.12 is needed and was not found; set PYTHON=/path/to/python" >&2; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install -q --disable-pip-version-check 'uv>=0.4'
+
+$(VENV)/.run: pyproject.toml setup.py | $(VENV)/bin/uv
+	$(BIN)/uv pip install -q --python $(BIN)/python -e '.[$(ROS_EXTRA)viz]'
+	@touch $@
+
+$(VENV)/.dev: pyproject.toml setup.py | $(VENV)/bin/uv
+	$(BIN)/uv pip install -q --python $(BIN)/python -e '.[$(ROS_EXTRA)dev]'
+	@touch $(VENV)/.run $@
+
+demo: $(VENV)/.run
+	$(BIN)/space-robot run liu2023/fig08 --mode graph --out $(OUT)
+
+check: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: check
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+bench: $(VENV)/.dev
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf $(VENV) build dist out *.egg-info .mypy_cache .ruff_cache .pytest_cache

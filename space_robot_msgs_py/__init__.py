@@ -1,0 +1,1 @@
+"""What flows: value types, protocols, errors, the topic table, message layouts and the log file."""

@@ -1,0 +1,255 @@
+"""The data flow on one screen: the values on the arrows and the four protocols between them.
+
+    reference(t) ----.
+                     v
+    state --> Controller.update(state, reference) --> ControlOutput(command, telemetry)
+      ^                                                   |
+      '---- Plant.step(command) <-------------------------'          every value of a tick --> Sink
+
+Conventions: SI units; time is integer nanoseconds since the start of the run; quaternions are (x, y, z, w), unit, body to
+inertial. With n joints a configuration is ``q = [position(3) inertial, quaternion(4), joints(n)]`` and a velocity is
+``v = [linear(3), angular(3), joint rates(n)]`` with the base part in the BODY frame (Pinocchio's free-flyer, and the twist
+of nav_msgs/Odometry). Accelerations are the time derivatives of the components of v.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from space_robot_msgs_py.errors import CommandError, NonFiniteError
+
+Vector = npt.NDArray[np.float64]
+NANOSECONDS = 1_000_000_000
+
+
+def vector(values: npt.ArrayLike, size: int | None, key: str) -> Vector:
+    """Return a read-only, finite float64 copy of shape (size,).
+
+    Raises:
+        CommandError: the shape is not (size,).
+        NonFiniteError: an element is NaN or infinite.
+    """
+    out = np.array(values, dtype=np.float64)
+    if out.ndim != 1 or (size is not None and out.size != size):
+        raise CommandError("wrong size", key=key, value=out.shape, accepted=f"a vector of {size} numbers")
+    # A sum is finite only if (almost always) all terms are; the slow exact test runs only when it is not.
+    if not np.isfinite(out.sum()) and not np.isfinite(out).all():
+        raise NonFiniteError("not a finite number", key=key, value=out.tolist(), accepted="finite numbers")
+    out.flags.writeable = False
+    return out
+
+
+def _freeze(instance: object, **fields: Any) -> None:
+    for name, value in fields.items():
+        object.__setattr__(instance, name, value)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RobotState:
+    """What the flight software measures at one stamp.
+
+    Attributes:
+        stamp: [ns].
+        q: (7+n,) configuration [m, -, rad].
+        v: (6+n,) velocity, base twist in the body frame [m/s, rad/s].
+        effort: (n,) motor effort at the joints, mean over the control period that ended at this stamp [N m or N].
+        base_acceleration: (3,) inertial acceleration of the base origin, body frame, as an accelerometer reads it [m/s2].
+    """
+
+    stamp: int
+    q: Vector
+    v: Vector
+    effort: Vector
+    base_acceleration: Vector
+
+    def __post_init__(self) -> None:
+        n = np.size(self.effort)
+        _freeze(
+            self,
+            q=vector(self.q, 7 + n, "state.q"),
+            v=vector(self.v, 6 + n, "state.v"),
+            effort=vector(self.effort, n, "state.effort"),
+            base_acceleration=vector(self.base_acceleration, 3, "state.base_acceleration"),
+        )
+
+    @property
+    def joints(self) -> Vector:
+        """(n,) joint positions [rad or m]."""
+        return self.q[7:]
+
+    @property
+    def joint_rates(self) -> Vector:
+        """(n,) joint velocities [rad/s or m/s]."""
+        return self.v[6:]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Reference:
+    """What is asked of the robot at one stamp; q, v as in RobotState, a = dv/dt componentwise, all of the DESIRED body.
+
+    Attributes:
+        stamp: [ns].
+        q: (7+n,) desired configuration [m, -, rad].
+        v: (6+n,) desired velocity, base twist in the desired body frame [m/s, rad/s].
+        a: (6+n,) derivative of the components of v [m/s2, rad/s2].
+    """
+
+    stamp: int
+    q: Vector
+    v: Vector
+    a: Vector
+
+    def __post_init__(self) -> None:
+        n = np.size(self.q) - 7
+        _freeze(
+            self,
+            q=vector(self.q, 7 + n, "reference.q"),
+            v=vector(self.v, 6 + n, "reference.v"),
+            a=vector(self.a, 6 + n, "reference.a"),
+        )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Command:
+    """What the flight software orders; the stamp is that of the state it answers.
+
+    Attributes:
+        stamp: [ns].
+        wrench: (6,) force then torque on the base, body frame, at the base origin [N, N m].
+        effort: (n,) joint efforts [N m or N].
+    """
+
+    stamp: int
+    wrench: Vector
+    effort: Vector
+
+    def __post_init__(self) -> None:
+        _freeze(
+            self,
+            wrench=vector(self.wrench, 6, "command.wrench"),
+            effort=vector(self.effort, None, "command.effort"),
+        )
+
+    @property
+    def u(self) -> Vector:
+        """(6+n,) generalised force [force, torque, efforts], dual to v."""
+        return np.concatenate([self.wrench, self.effort])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Telemetry:
+    """Labelled blocks of numbers at one stamp; labels and sizes stay the same for a whole run.
+
+    Attributes:
+        stamp: [ns].
+        labels: block names, e.g. ``("sliding_surface", "estimate")``.
+        sizes: length of each block.
+        data: (sum(sizes),) the blocks one after the other.
+    """
+
+    stamp: int
+    labels: tuple[str, ...]
+    sizes: tuple[int, ...]
+    data: Vector
+
+    def __post_init__(self) -> None:
+        _freeze(self, data=vector(self.data, sum(self.sizes), "telemetry"))
+
+    @classmethod
+    def of(cls, stamp: int, blocks: Mapping[str, npt.ArrayLike]) -> Telemetry:
+        """Build from an ordered mapping of block name to scalar or 1-D array."""
+        arrays = [np.atleast_1d(np.asarray(block, dtype=np.float64)) for block in blocks.values()]
+        data = np.concatenate(arrays) if arrays else np.empty(0)
+        return cls(stamp, tuple(blocks), tuple(a.size for a in arrays), data)
+
+    def __getitem__(self, label: str) -> Vector:
+        """The block of that name."""
+        index = self.labels.index(label)
+        start = sum(self.sizes[:index])
+        return self.data[start : start + self.sizes[index]]
+
+    def items(self) -> Iterator[tuple[str, Vector]]:
+        """(label, block) pairs in order."""
+        start = 0
+        for label, size in zip(self.labels, self.sizes, strict=True):
+            yield label, self.data[start : start + size]
+            start += size
+
+
+@dataclass(frozen=True, slots=True)
+class ControlOutput:
+    """A command and what the law wants to be seen of how it came about."""
+
+    command: Command
+    telemetry: Telemetry
+
+
+@dataclass(frozen=True, slots=True)
+class PlantSample:
+    """What the plant shows at one stamp: the measured state, and telemetry that holds the truth."""
+
+    state: RobotState
+    telemetry: Telemetry
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """Everything that belongs to one stamp: one row of the log."""
+
+    sample: PlantSample
+    reference: Reference
+    output: ControlOutput
+
+    @property
+    def stamp(self) -> int:
+        """[ns]."""
+        return self.sample.state.stamp
+
+
+class Controller(Protocol):
+    """Decides: a control law with its nominal model and gains."""
+
+    def reset(self) -> None:
+        """Forget the past; the next update is the first of a run."""
+
+    def update(self, state: RobotState, reference: Reference) -> ControlOutput:
+        """Answer one state. Raises ControlError where the law cannot go on."""
+
+
+class Plant(Protocol):
+    """Happens: the true robot with its actuators and sensors."""
+
+    def reset(self) -> PlantSample:
+        """Return to the initial state and show it (stamp 0)."""
+
+    def step(self, command: Command | None) -> PlantSample:
+        """Advance one control period under the command (None: the defined hold) and show the state at its end."""
+
+
+class ReferenceSource(Protocol):
+    """Asks: the desired motion as a function of time."""
+
+    def at(self, stamp: int) -> Reference:
+        """The reference at a stamp [ns]."""
+
+
+class Sink(Protocol):
+    """Takes ticks in order; a log, or memory."""
+
+    def record(self, tick: Tick) -> None:
+        """Take one complete tick."""
+
+    def close(self, reason: str) -> None:
+        """No more ticks; say why (``completed``, ``interrupted``, or the error)."""
+
+
+def blocks_equal(first: Sequence[Vector], second: Sequence[Vector]) -> bool:
+    """True if both sequences hold the same bits."""
+    return len(first) == len(second) and all(
+        a.tobytes() == b.tobytes() for a, b in zip(first, second, strict=True)
+    )

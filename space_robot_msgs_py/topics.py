@@ -1,0 +1,164 @@
+"""The topic table: publishers, subscribers, recorder, replay, QoS and docs derive from it. Standard types only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Kind = Literal[
+    "state", "reference", "command", "controller_telemetry", "plant_telemetry", "description", "event", "tool"
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One row of the table.
+
+    Attributes:
+        name: relative names live in the run's namespace and can be remapped; absolute ones are ROS-wide.
+        type: ROS type, ``package/msg/Name``.
+        kind: the value it carries a part of; all topics of a kind share a stamp.
+        publisher: the node that publishes it.
+        latched: one message, kept for late joiners.
+        recorded: it is written to the log.
+        deterministic: equal runs give equal bytes.
+        meaning: for people.
+    """
+
+    name: str
+    type: str
+    kind: Kind
+    publisher: str
+    meaning: str
+    latched: bool = False
+    recorded: bool = True
+    deterministic: bool = True
+
+
+# The order of rows is the order of messages of one stamp in the log.
+ROBOT_DESCRIPTION = Topic(
+    "robot_description",
+    "std_msgs/msg/String",
+    "description",
+    "simulator",
+    "URDF of the nominal robot",
+    latched=True,
+)
+BASE_ODOM = Topic(
+    "base/odom",
+    "nav_msgs/msg/Odometry",
+    "state",
+    "simulator",
+    "measured base pose in `inertial`, twist in `base_link`",
+)
+JOINT_STATES = Topic(
+    "joint_states",
+    "sensor_msgs/msg/JointState",
+    "state",
+    "simulator",
+    "measured joint position and velocity; effort is the mean motor effort over the period that ended at the stamp",
+)
+BASE_IMU = Topic(
+    "base/imu",
+    "sensor_msgs/msg/Imu",
+    "state",
+    "simulator",
+    "angular rate and inertial acceleration of the base origin in `base_link`, as a sensor reads them",
+)
+REFERENCE_BASE = Topic(
+    "reference/base",
+    "nav_msgs/msg/Odometry",
+    "reference",
+    "guidance",
+    "desired base pose in `inertial`, twist in `base_link_desired`; published ahead, stamped with the tick it is for",
+)
+REFERENCE_BASE_ACCEL = Topic(
+    "reference/base_accel",
+    "geometry_msgs/msg/AccelStamped",
+    "reference",
+    "guidance",
+    "derivative of the components of the desired base twist, in `base_link_desired`",
+)
+REFERENCE_JOINTS = Topic(
+    "reference/joints",
+    "trajectory_msgs/msg/JointTrajectory",
+    "reference",
+    "guidance",
+    "desired joint position, velocity and acceleration (one point)",
+)
+WRENCH_COMMAND = Topic(
+    "base/wrench_command",
+    "geometry_msgs/msg/WrenchStamped",
+    "command",
+    "controller",
+    "force and torque on the base in `base_link`; the stamp is that of the state it answers",
+)
+JOINT_COMMAND = Topic(
+    "joint_command",
+    "sensor_msgs/msg/JointState",
+    "command",
+    "controller",
+    "joint effort; the stamp is that of the state it answers",
+)
+CONTROLLER_TELEMETRY = Topic(
+    "controller/telemetry",
+    "std_msgs/msg/Float64MultiArray",
+    "controller_telemetry",
+    "controller",
+    "labelled blocks in layout.dim; block `stamp` holds [ns], the rest is the law's own",
+)
+PLANT_TELEMETRY = Topic(
+    "plant/telemetry",
+    "std_msgs/msg/Float64MultiArray",
+    "plant_telemetry",
+    "simulator",
+    "labelled blocks: `stamp` [ns], truth, momentum, energy, conservation residuals, wheel momentum, saturation",
+)
+RUN_END = Topic(
+    "run_end",
+    "std_msgs/msg/String",
+    "event",
+    "simulator",
+    "why the run ended; every node stops when it hears it",
+    latched=True,
+    recorded=False,
+)
+CLOCK = Topic(
+    "/clock",
+    "rosgraph_msgs/msg/Clock",
+    "tool",
+    "simulator",
+    "simulation time, for tools only",
+    recorded=False,
+)
+DIAGNOSTICS = Topic(
+    "/diagnostics",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "tool",
+    "simulator",
+    "late, missed and rejected commands, real-time factor: everything that depends on the wall clock",
+    recorded=False,
+    deterministic=False,
+)
+
+TABLE: tuple[Topic, ...] = (
+    ROBOT_DESCRIPTION,
+    BASE_ODOM,
+    JOINT_STATES,
+    BASE_IMU,
+    REFERENCE_BASE,
+    REFERENCE_BASE_ACCEL,
+    REFERENCE_JOINTS,
+    WRENCH_COMMAND,
+    JOINT_COMMAND,
+    CONTROLLER_TELEMETRY,
+    PLANT_TELEMETRY,
+    RUN_END,
+    CLOCK,
+    DIAGNOSTICS,
+)
+
+
+def topics_of(kind: Kind) -> tuple[Topic, ...]:
+    """The rows that carry a value of that kind, in table order."""
+    return tuple(topic for topic in TABLE if topic.kind == kind)
