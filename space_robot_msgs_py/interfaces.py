@@ -250,6 +250,4 @@ class Sink(Protocol):
 
 def blocks_equal(first: Sequence[Vector], second: Sequence[Vector]) -> bool:
     """True if both sequences hold the same bits."""
-    return len(first) == len(second) and all(
-        a.tobytes() == b.tobytes() for a, b in zip(first, second, strict=True)
-    )
+    return len(first) == len(second) and all(a.tobytes() == b.tobytes() for a, b in zip(first, second, strict=True))

@@ -1,0 +1,1 @@
+"""What the robot IS: URDF and YAML in, Pinocchio model out."""

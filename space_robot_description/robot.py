@@ -1,0 +1,47 @@
+"""The robot as every other package sees it: names, limits, actuators and one Pinocchio model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from space_robot_description.spec import Actuators
+from space_robot_msgs_py.interfaces import Vector
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Robot:
+    """A satellite with an arm; truth and nominal are two of these.
+
+    Attributes:
+        name: what people call it.
+        urdf: the whole robot as one URDF (root link ``base_link``), as loaded: dispersion and payload are not in it.
+        model: ``pin.Model``: JointModelFreeFlyer root, then one-DoF joints (nq_i = nv_i = 1), gravity zero. Read only.
+        joint_names: (n) in model order.
+        body_names: (1+n) base first, then the body each joint moves.
+        base_mode: ``free_floating``: no force on the base; ``free_flying``: force by thrusters.
+        actuators: limits and dynamics of everything that pushes.
+        effort_limit: (n,) [N m or N].
+        joint_lower: (n,) [rad or m]; may be -inf for continuous joints.
+        joint_upper: (n,) [rad or m]; may be +inf.
+        joint_rate_limit: (n,) [rad/s or m/s]; may be +inf.
+        home: (n,) joint positions to start from when nothing else is said [rad or m].
+    """
+
+    name: str
+    urdf: str
+    model: Any
+    joint_names: tuple[str, ...]
+    body_names: tuple[str, ...]
+    base_mode: Literal["free_floating", "free_flying"]
+    actuators: Actuators
+    effort_limit: Vector
+    joint_lower: Vector
+    joint_upper: Vector
+    joint_rate_limit: Vector
+    home: Vector
+
+    @property
+    def n(self) -> int:
+        """Number of joints."""
+        return len(self.joint_names)
