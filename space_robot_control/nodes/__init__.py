@@ -1,0 +1,1 @@
+"""ROS nodes of the deciding side: controller and guidance."""

@@ -1,0 +1,1 @@
+"""What every node of the graph has in common."""

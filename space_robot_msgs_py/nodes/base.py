@@ -1,0 +1,88 @@
+"""The common ground of all nodes: publishers and subscriptions from the topic table, and how a run ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+from space_robot_msgs_py.codecs import decode_string, encode_string
+from space_robot_msgs_py.errors import LayoutError
+from space_robot_msgs_py.ros import message_class, qos
+from space_robot_msgs_py.topics import RUN_END, Topic
+
+
+class GraphNode(Node):  # type: ignore[misc]
+    """A node that exchanges canonical bytes on topics of the table and knows why the run ended.
+
+    Raw bytes are published and taken because one encoder then serves graph and log: equal runs give equal bytes,
+    and a tick costs no intermediate message objects.
+
+    Args:
+        name: node name.
+        context: the rclpy context to live in; None is the default context.
+        options: further keyword arguments of rclpy.node.Node, e.g. ``namespace``.
+    """
+
+    def __init__(self, name: str, *, context: Context | None = None, **options: Any) -> None:
+        super().__init__(name, context=context, **options)
+        self.end_reason: str | None = None
+        self.failure: Exception | None = None
+        self._end_publisher = self.publisher(RUN_END)
+        self.listen(RUN_END, self._on_run_end)
+
+    def publisher(self, topic: Topic) -> Publisher:
+        """A publisher of that row of the table."""
+        return self.create_publisher(message_class(topic), topic.name, qos(topic))
+
+    def listen(self, topic: Topic, callback: Callable[[bytes], None]) -> None:
+        """Subscribe to the raw bytes of that row of the table.
+
+        An exception in a callback would be lost in the executor: it is kept in ``failure`` and ends the run.
+        """
+
+        def guarded(raw: bytes) -> None:
+            if self.failure is not None:
+                return
+            try:
+                callback(raw)
+            except Exception as error:
+                self.fail(error)
+
+        self.create_subscription(message_class(topic), topic.name, guarded, qos(topic), raw=True)
+
+    def end(self, reason: str) -> None:
+        """Tell the whole graph that the run is over, and why; the first reason counts."""
+        if self.end_reason is None:
+            self.end_reason = reason
+            self._end_publisher.publish(encode_string(reason))
+
+    def fail(self, error: Exception) -> None:
+        """Keep the error that stopped this node, log it once and end the run with it."""
+        self.failure = error
+        self.get_logger().error(f"{error}")
+        self.end(f"{self.get_name()}: {error}")
+
+    def flush(self, seconds: float) -> None:
+        """Wait until every matched subscriber has acknowledged the end of the run, at most that long."""
+        from rclpy.duration import Duration
+
+        self._end_publisher.wait_for_all_acked(Duration(seconds=seconds))
+
+    def _on_run_end(self, raw: bytes) -> None:
+        try:
+            reason = decode_string(raw)
+        except LayoutError as error:
+            self.get_logger().warning(f"ignored a malformed {RUN_END.name}: {error}")
+            return
+        if self.end_reason is None:
+            self.end_reason = reason
+
+
+def publish_all(publishers: Sequence[Publisher], parts: Sequence[bytes]) -> None:
+    """Publish the parts of one value, each on its topic."""
+    for publisher, part in zip(publishers, parts, strict=True):
+        publisher.publish(part)

@@ -1,0 +1,1 @@
+"""ROS nodes of the happening side: simulator and recorder."""

@@ -1,0 +1,150 @@
+"""The node that keeps everything: complete ticks, in table order, canonical bytes, on disk before the next one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from space_robot_msgs_py.codecs import TopicBytes, decode_string
+from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.topics import BASE_ODOM, ROBOT_DESCRIPTION, TABLE, Topic
+
+WINDOW = 50
+
+
+class TickWriter(Protocol):
+    """Where the recorder writes: a LogWriter."""
+
+    def write_description(self, urdf: str) -> None:
+        """The robot, first of all."""
+
+    def write_tick(self, stamp: int, parts: dict[Topic, bytes]) -> None:
+        """All messages of one stamp."""
+
+    def close(self, reason: str) -> None:
+        """No more ticks."""
+
+
+class RecorderNode(GraphNode):
+    """Collects the messages of each stamp and writes a tick when all its topics are there.
+
+    The order in the file is by stamp, then by table, whatever the order of arrival: equal runs give equal files. A
+    topic that stays silent (a controller of somebody else without telemetry) is waited for during ``WINDOW`` ticks
+    and then taken as absent. After ``~/reset`` a new log begins.
+
+    Args:
+        open_writer: gives the writer of the k-th log of this run, k = 0 first.
+        joint_names: the robot's joints in model order.
+        period: control period [ns].
+        steps: number of periods of the run; the log ends with tick ``steps``.
+        options: see GraphNode.
+    """
+
+    def __init__(
+        self,
+        open_writer: Callable[[int], TickWriter],
+        joint_names: tuple[str, ...],
+        *,
+        period: int,
+        steps: int,
+        name: str = "recorder",
+        **options: Any,
+    ) -> None:
+        super().__init__(name, **options)
+        self._open_writer, self._logs = open_writer, 0
+        self._writer = open_writer(0)
+        self._period, self._last = period, steps * period
+        self._next = 0
+        self._newest_state = -1
+        self._urdf: str | None = None
+        self._pending: dict[int, dict[Topic, bytes]] = {}
+        self._expected = {topic for topic in TABLE if topic.recorded and not topic.latched}
+        self._seen: set[Topic] = set()
+        self._canonical = TopicBytes(joint_names)
+        self.closed = False
+        self.gaps = 0
+        self.malformed = 0
+        self.listen(ROBOT_DESCRIPTION, self._on_description)
+        for topic in sorted(self._expected, key=TABLE.index):
+            self._listen_recorded(topic)
+
+    @property
+    def complete(self) -> bool:
+        """True when the last tick of the run is written."""
+        return self._next > self._last
+
+    @property
+    def written_until(self) -> int:
+        """Stamp of the newest tick in the log [ns]; -1: none."""
+        return self._next - self._period if self._next else -1
+
+    def finish(self, reason: str) -> None:
+        """Write what is left of the ticks the robot reached and close the log; later calls do nothing."""
+        if self.closed:
+            return
+        self.closed = True
+        for stamp in sorted(self._pending):
+            if stamp <= self._newest_state:
+                self._write(stamp)
+        self._writer.close(reason)
+
+    def _listen_recorded(self, topic: Topic) -> None:
+        def on_message(raw: bytes) -> None:
+            if self.closed:
+                return
+            try:
+                stamp, data = self._canonical.read(topic, raw)
+            except SpaceRobotError as error:
+                self._refuse(topic, error)
+                return
+            self._take_in(topic, stamp, data)
+
+        self.listen(topic, on_message)
+
+    def _refuse(self, topic: Topic, error: Exception) -> None:
+        self.malformed += 1
+        if self.malformed == 1:
+            self.get_logger().warning(f"not recorded, a message on {topic.name}: {error}")
+
+    def _on_description(self, raw: bytes) -> None:
+        if self._urdf is None:
+            self._urdf = decode_string(raw)
+            self._writer.write_description(self._urdf)
+            self._write_complete()
+
+    def _take_in(self, topic: Topic, stamp: int, data: bytes) -> None:
+        self._seen.add(topic)
+        if topic is BASE_ODOM:
+            if stamp < self._newest_state:
+                self._start_new_log()
+            self._newest_state = stamp
+        if stamp < self._next:
+            return
+        self._pending.setdefault(stamp, {})[topic] = data
+        self._write_complete()
+
+    def _write_complete(self) -> None:
+        if self._urdf is None:
+            return
+        while self._next in self._pending and self._pending[self._next].keys() >= self._expected:
+            self._write(self._next)
+        while self._newest_state >= self._next + WINDOW * self._period:
+            self.gaps += 1
+            self._expected &= self._seen
+            self._write(self._next)
+
+    def _write(self, stamp: int) -> None:
+        parts = self._pending.pop(stamp, {})
+        self._writer.write_tick(stamp, parts)
+        self._next = stamp + self._period
+
+    def _start_new_log(self) -> None:
+        """The plant was reset: what is complete stays in its log, the new run gets its own."""
+        self.finish("reset")
+        self._logs += 1
+        self._writer = self._open_writer(self._logs)
+        self._pending = {stamp: parts for stamp, parts in self._pending.items() if stamp > self._newest_state}
+        self._newest_state, self._next, self.closed = -1, 0, False
+        if self._urdf is not None:
+            self._writer.write_description(self._urdf)

@@ -1,0 +1,64 @@
+"""The simulator's services: pause, step, reset."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+
+class Steerable(Protocol):
+    """What the services steer."""
+
+    @property
+    def paused(self) -> bool:
+        """True while only single steps advance the run."""
+
+    @property
+    def stamp(self) -> int:
+        """Stamp of the current state [ns]."""
+
+    def pause(self, paused: bool) -> None:
+        """Stop at the next tick, or go on."""
+
+    def step_once(self) -> None:
+        """Take one step while paused."""
+
+    def reset(self) -> None:
+        """Start again."""
+
+
+class RunServices:
+    """``~/pause`` (std_srvs/SetBool), ``~/step`` and ``~/reset`` (std_srvs/Trigger) of a node.
+
+    Args:
+        node: a node that is also Steerable.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._run: Steerable = node
+        node.create_service(SetBool, "~/pause", self._pause)
+        node.create_service(Trigger, "~/step", self._step)
+        node.create_service(Trigger, "~/reset", self._reset)
+
+    def _pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        self._run.pause(request.data)
+        response.success = True
+        response.message = f"{'paused' if request.data else 'running'} at {self._run.stamp} ns"
+        return response
+
+    def _step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        response.success = self._run.paused
+        if self._run.paused:
+            self._run.step_once()
+            response.message = f"one step granted; state at {self._run.stamp} ns"
+        else:
+            response.message = "the run is not paused: call ~/pause first"
+        return response
+
+    def _reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._run.reset()
+        response.success = True
+        response.message = "back at the initial state, 0 ns"
+        return response

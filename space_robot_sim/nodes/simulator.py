@@ -1,0 +1,122 @@
+"""The node that is the world: it publishes states and advances only by what it is told."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from space_robot_msgs_py.codecs import StateCodec, TelemetryCodec, encode_clock, encode_string
+from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
+from space_robot_msgs_py.nodes.base import GraphNode, publish_all
+from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, ROBOT_DESCRIPTION
+from space_robot_sim.nodes.command_port import CommandPort
+from space_robot_sim.nodes.health import SimulatorHealth
+from space_robot_sim.nodes.pacing import Pacer
+from space_robot_sim.nodes.services import RunServices
+
+
+class SimulatorNode(GraphNode):
+    """Carries a plant through ``steps`` control periods.
+
+    Lock-step (default): state k is published with stamp k T, and the plant steps when the command with that stamp is
+    there, however long that takes. Paced (``realtime`` given): the steady clock advances the plant, a period without a
+    command is flown with the newest valid one or the plant's hold, and both are counted.
+
+    Args:
+        plant: the true robot, ready made.
+        joint_names: the robot's joints in model order.
+        urdf: what goes on ``robot_description``.
+        period: control period [ns].
+        steps: number of periods of the run; states 0..steps are published, each is to be answered.
+        realtime: simulated seconds per second of the steady clock; None: lock-step.
+        patience: lock-step ends with an error when the awaited command takes longer than this [s].
+        options: see GraphNode.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        joint_names: tuple[str, ...],
+        *,
+        urdf: str,
+        period: int,
+        steps: int,
+        realtime: float | None = None,
+        patience: float = 60.0,
+        name: str = "simulator",
+        **options: Any,
+    ) -> None:
+        super().__init__(name, **options)
+        self._plant, self._period, self._steps = plant, period, steps
+        self._states = StateCodec(joint_names)
+        self._telemetry = TelemetryCodec(PLANT_TELEMETRY)
+        self._state_publishers = [self.publisher(topic) for topic in self._states.topics]
+        self._telemetry_publisher = self.publisher(PLANT_TELEMETRY)
+        self._clock_publisher = self.publisher(CLOCK)
+        self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
+        self._description_publisher.publish(encode_string(urdf))
+        self.tick = 0
+        self.sample: PlantSample | None = None
+        self._credit: int | None = None
+        self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=realtime is not None)
+        self.pacer = Pacer(self, period / realtime, self._on_period) if realtime is not None else None
+        self._services = RunServices(self)
+        self._health = SimulatorHealth(self, patience)
+        self.reset()
+
+    @property
+    def stamp(self) -> int:
+        """Stamp of the state that waits for its answer [ns]."""
+        return self.tick * self._period
+
+    @property
+    def paused(self) -> bool:
+        """True while only ``~/step`` advances the plant."""
+        return self._credit is not None
+
+    def pause(self, paused: bool) -> None:
+        """Stop at the next tick, or go on."""
+        self._credit = 0 if paused else None
+        self._on_answer()
+
+    def step_once(self) -> None:
+        """While paused: let the plant take one step as soon as its command is there."""
+        self._credit = (self._credit or 0) + 1
+        self._on_answer()
+
+    def reset(self) -> None:
+        """Back to the initial state and stamp 0; what is in flight from before is refused as out of date."""
+        self.tick = 0
+        self.commands.expect(0)
+        self._show(self._plant.reset())
+
+    def _show(self, sample: PlantSample) -> None:
+        self.sample = sample
+        publish_all(self._state_publishers, self._states.encode(sample.state))
+        self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
+        self._clock_publisher.publish(encode_clock(sample.state.stamp))
+
+    def _on_answer(self) -> None:
+        """Lock-step: go on as far as answers and pause allow."""
+        if self.pacer is None and self.commands.answered and self._may_advance():
+            self._advance(self.commands.take())
+
+    def _on_period(self) -> None:
+        """Paced: one period of the steady clock has passed."""
+        if self._may_advance():
+            self._advance(self.commands.take_newest())
+
+    def _may_advance(self) -> bool:
+        if self.end_reason is not None or self._credit == 0:
+            return False
+        if self._credit is not None:
+            self._credit -= 1
+        return True
+
+    def _advance(self, command: Command | None) -> None:
+        if self.tick == self._steps:
+            self.end("completed")
+            return
+        sample = self._plant.step(command)
+        self.tick += 1
+        self.commands.expect(self.stamp)
+        self._show(sample)
