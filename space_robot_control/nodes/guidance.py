@@ -39,16 +39,17 @@ class GuidanceNode(GraphNode):
         self._reference = reference
         self._codec = ReferenceCodec(joint_names)
         self._period, self._steps, self._ahead = period, steps, ahead
-        self._next = 0
+        self._next = self._reached = 0
         self._publishers = [self.publisher(topic) for topic in self._codec.topics]
         self._publish_until(ahead)
         self.listen(BASE_ODOM, self._on_state)
 
     def _on_state(self, raw: bytes) -> None:
         tick = peek_stamp(raw) // self._period
-        if tick + self._ahead + 1 < self._next:
+        if tick < self._reached:
             # The plant was reset: time starts again, and so do the references.
             self._next = tick
+        self._reached = tick
         self._publish_until(tick + self._ahead)
 
     def _publish_until(self, tick: int) -> None:

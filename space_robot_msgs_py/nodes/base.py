@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
@@ -67,10 +68,9 @@ class GraphNode(Node):  # type: ignore[misc]
         self.end(f"{self.get_name()}: {error}")
 
     def flush(self, seconds: float) -> None:
-        """Wait until every matched subscriber has acknowledged the end of the run, at most that long."""
-        from rclpy.duration import Duration
-
-        self._end_publisher.wait_for_all_acked(Duration(seconds=seconds))
+        """Wait until everything published is acknowledged by every matched subscriber, at most that long each."""
+        for publisher in self.publishers:
+            publisher.wait_for_all_acked(Duration(seconds=seconds))
 
     def _on_run_end(self, raw: bytes) -> None:
         try:

@@ -53,7 +53,11 @@ class SimulatorHealth:
         status = DiagnosticStatus(name=f"{self._simulator.get_name()}: lock-step", hardware_id="plant")
         status.level = DiagnosticStatus.WARN if sum(counts.values()) else DiagnosticStatus.OK
         status.message = "commands were refused or missed" if sum(counts.values()) else "every state was answered"
-        numbers = {"tick": self._simulator.tick, "ticks_per_second": progress / DIAGNOSTICS_PERIOD, "silence_s": silence}
+        numbers = {
+            "tick": self._simulator.tick,
+            "ticks_per_second": progress / DIAGNOSTICS_PERIOD,
+            "silence_s": silence,
+        }
         status.values = [KeyValue(key=k, value=f"{v:g}") for k, v in (numbers | dict(sorted(counts.items()))).items()]
         message = DiagnosticArray(status=[status])
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(self._simulator.stamp, 1_000_000_000)

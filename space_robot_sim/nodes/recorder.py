@@ -11,6 +11,7 @@ from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import BASE_ODOM, ROBOT_DESCRIPTION, TABLE, Topic
 
 WINDOW = 50
+EARLY = 64
 
 
 class TickWriter(Protocol):
@@ -31,13 +32,16 @@ class RecorderNode(GraphNode):
 
     The order in the file is by stamp, then by table, whatever the order of arrival: equal runs give equal files. A
     topic that stays silent (a controller of somebody else without telemetry) is waited for during ``WINDOW`` ticks
-    and then taken as absent. After ``~/reset`` a new log begins.
+    and then taken as absent. After ``~/reset`` a new log begins, once the first state of the new run is heard;
+    messages that overtook it are kept (``EARLY`` ticks).
 
     Args:
         open_writer: gives the writer of the k-th log of this run, k = 0 first.
         joint_names: the robot's joints in model order.
         period: control period [ns].
         steps: number of periods of the run; the log ends with tick ``steps``.
+        lossless: every topic that spoke once will speak at every stamp (lock-step); False: a stamp may miss some
+            (paced), it is then written after ``WINDOW`` ticks as it is.
         options: see GraphNode.
     """
 
@@ -48,6 +52,7 @@ class RecorderNode(GraphNode):
         *,
         period: int,
         steps: int,
+        lossless: bool = True,
         name: str = "recorder",
         **options: Any,
     ) -> None:
@@ -57,12 +62,15 @@ class RecorderNode(GraphNode):
         self._period, self._last = period, steps * period
         self._next = 0
         self._newest_state = -1
+        self._lossless = lossless
+        self._early: dict[int, dict[Topic, bytes]] = {}
         self._urdf: str | None = None
         self._pending: dict[int, dict[Topic, bytes]] = {}
         self._expected = {topic for topic in TABLE if topic.recorded and not topic.latched}
         self._seen: set[Topic] = set()
         self._canonical = TopicBytes(joint_names)
         self.closed = False
+        self.heard = 0
         self.gaps = 0
         self.malformed = 0
         self.listen(ROBOT_DESCRIPTION, self._on_description)
@@ -91,6 +99,7 @@ class RecorderNode(GraphNode):
 
     def _listen_recorded(self, topic: Topic) -> None:
         def on_message(raw: bytes) -> None:
+            self.heard += 1
             if self.closed:
                 return
             try:
@@ -120,6 +129,8 @@ class RecorderNode(GraphNode):
                 self._start_new_log()
             self._newest_state = stamp
         if stamp < self._next:
+            if stamp < EARLY * self._period:
+                self._early.setdefault(stamp, {})[topic] = data
             return
         self._pending.setdefault(stamp, {})[topic] = data
         self._write_complete()
@@ -130,6 +141,9 @@ class RecorderNode(GraphNode):
         while self._next in self._pending and self._pending[self._next].keys() >= self._expected:
             self._write(self._next)
         while self._newest_state >= self._next + WINDOW * self._period:
+            missing = self._expected - self._pending.get(self._next, {}).keys()
+            if self._lossless and missing & self._seen:
+                return
             self.gaps += 1
             self._expected &= self._seen
             self._write(self._next)
@@ -144,7 +158,7 @@ class RecorderNode(GraphNode):
         self.finish("reset")
         self._logs += 1
         self._writer = self._open_writer(self._logs)
-        self._pending = {stamp: parts for stamp, parts in self._pending.items() if stamp > self._newest_state}
+        self._pending, self._early = self._early, {}
         self._newest_state, self._next, self.closed = -1, 0, False
         if self._urdf is not None:
             self._writer.write_description(self._urdf)

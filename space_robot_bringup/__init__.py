@@ -1,0 +1,1 @@
+"""What is COMPOSED: experiment file in, objects and runs out."""

@@ -1,0 +1,147 @@
+"""The command line: it parses, calls the library and prints; nothing else."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated, Any, Never
+
+import typer
+from rich.console import Console
+
+from space_robot_bringup import render
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import Experiment, experiment_path, load_experiment, with_duration
+from space_robot_bringup.progress import Progress
+from space_robot_bringup.run import MODES, Hooks, RunResult, run_experiment
+from space_robot_bringup.stopping import StopFlag
+from space_robot_description.load import load_robot
+from space_robot_description.report import robot_report
+from space_robot_description.share import shipped
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+
+FAILED, BAD_INPUT = 1, 2
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="Flight software of a space robot, emulated: fly experiments, record them, look at robots.",
+    epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
+)
+out = Console(highlight=False)
+err = Console(stderr=True, highlight=False)
+
+SetOption = Annotated[
+    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="override one key, e.g. controller.gains.damping=0.7")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
+
+
+@app.command("list")
+def list_shipped() -> None:
+    """List the shipped experiments and robots."""
+    for kind in ("experiments", "robots"):
+        out.print(f"[bold]{kind}[/bold]")
+        for name in shipped(kind):
+            out.print(f"  {name:<28}{_title(kind, name)}", markup=False)
+
+
+@app.command()
+def check(
+    file: Annotated[str, typer.Argument(help="experiment: shipped name or YAML file")],
+    set_: SetOption = None,
+) -> None:
+    """Check an experiment completely without flying it."""
+    experiment = load_experiment(file, set_ or ())
+    composition = compose(experiment)
+    out.print(
+        f"{file}: fine. {composition.nominal.name}, {composition.nominal.n} joints, {experiment.controller.law}, "
+        f"{experiment.steps} periods of {experiment.control_period:g} s",
+        markup=False,
+    )
+
+
+@app.command()
+def robot(
+    file: Annotated[str, typer.Argument(help="robot: shipped name or YAML file")],
+    as_json: JsonOption = False,
+) -> None:
+    """Print mass, inertia, momentum capacity, reach and the condition of the base-arm coupling of a robot."""
+    report = robot_report(load_robot(file))
+    if as_json:
+        print(json.dumps(report.to_dict(), allow_nan=False))
+    else:
+        render.robot(out, report)
+
+
+@app.command()
+def run(
+    experiment: Annotated[str, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")],
+    mode: Annotated[str, typer.Option(help=f"one of: {', '.join(MODES)}")] = "headless",
+    directory: Annotated[Path | None, typer.Option("--out", help="run directory; default runs/<name>")] = None,
+    realtime: Annotated[
+        float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
+    ] = None,
+    set_: SetOption = None,
+    duration: Annotated[float | None, typer.Option(help="fly this long instead [s]")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Fly an experiment, log it to a bag and print the verdict."""
+    if mode not in MODES:
+        raise SpecError("no such mode", key="--mode", value=mode, accepted=", ".join(MODES))
+    if realtime is not None and not 1e-3 <= realtime <= 1e4:
+        raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
+    spec = with_duration(load_experiment(experiment, set_ or ()), duration)
+    place = directory or Path("runs") / experiment_path(experiment).stem
+    result = _fly(spec, place, mode, realtime, quiet=as_json)
+    if as_json:
+        print(json.dumps(render.as_dict(spec, mode, result), allow_nan=False))
+    else:
+        render.verdict(out, spec, mode, result)
+    if not result.passed:
+        raise typer.Exit(FAILED)
+
+
+def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
+    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
+        hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason)
+        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
+
+
+def _title(kind: str, name: str) -> str:
+    if kind == "experiments":
+        spec = load_experiment(name)
+        return f"{spec.title} ({spec.source})" if spec.source else spec.title
+    return load_robot_title(name)
+
+
+def load_robot_title(name: str) -> str:
+    """One line about a shipped robot; robots whose URDF comes with an absent package are listed all the same."""
+    try:
+        made = load_robot(name)
+    except SpaceRobotError as error:
+        return f"not available here: {error}"
+    return f"{made.n} joints, {made.base_mode}"
+
+
+def main() -> Never:
+    """Entry point: one line per error, exit 2 on bad input, no traceback."""
+    try:
+        app(standalone_mode=False)
+    except SpaceRobotError as error:
+        err.print(f"space-robot: {error}", style="red", markup=False, soft_wrap=True)
+        sys.exit(BAD_INPUT)
+    except typer.Exit as end:
+        sys.exit(end.exit_code)
+    except Exception as error:
+        # Usage errors of the parser below typer know how to show themselves; anything else is a bug and shows its trace.
+        show = getattr(error, "show", None)
+        if show is None:
+            raise
+        show()
+        sys.exit(BAD_INPUT)
+    sys.exit(0)

@@ -1,0 +1,130 @@
+"""Experiment in, ready-made objects out: the one place that knows how a run is put together."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import dataclass
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+
+from space_robot_bringup.experiment import Experiment, Initial, ModelSpec, PerJointValues, to_yaml
+from space_robot_control.laws.registry import make_law
+from space_robot_control.references.make import make_reference
+from space_robot_control.rotations import from_rpy
+from space_robot_description.dispersion import disperse
+from space_robot_description.load import load_robot
+from space_robot_description.payload import attach_payload
+from space_robot_description.robot import Robot
+from space_robot_description.spec import expand
+from space_robot_msgs_py.interfaces import Controller, Plant, ReferenceSource, Vector
+from space_robot_msgs_py.log_header import LogHeader
+from space_robot_sim.plant import InitialState, SimulatedRobot
+
+# Everything whose version can change the bits of a run; the log carries it.
+VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Composition:
+    """The parts of one run.
+
+    Attributes:
+        experiment: what it was made from.
+        nominal: the robot the flight software believes in.
+        truth: the robot that flies.
+        header: provenance for the log.
+    """
+
+    experiment: Experiment
+    nominal: Robot
+    truth: Robot
+    header: LogHeader
+    _seeds: tuple[np.random.SeedSequence, ...]
+    _q0: Vector
+    _v0: Vector
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Joint names in model order."""
+        return self.nominal.joint_names
+
+    def plant(self) -> Plant:
+        """A new plant in its initial state."""
+        spec = self.experiment.plant
+        return SimulatedRobot(
+            self.truth,
+            control_period=self.experiment.period,
+            initial=InitialState(self._q0, self._v0),
+            integrator=spec.integrator,
+            sensors=spec.sensors,
+            seed=int(self._seeds[2].generate_state(1, np.uint64)[0]),
+            delay_periods=spec.delay_periods,
+            hold=spec.hold,
+        )
+
+    def controller(self) -> Controller:
+        """A new controller; it gets the nominal robot and nothing else."""
+        spec = self.experiment.controller
+        return make_law(spec.law, self.nominal, self.experiment.control_period, spec.gains)
+
+    def reference(self) -> ReferenceSource:
+        """A new reference source."""
+        return make_reference(self.experiment.reference, self.nominal, self._q0)
+
+
+def compose(experiment: Experiment) -> Composition:
+    """Build robots and provenance and check that every part can be made.
+
+    Raises:
+        SpaceRobotError: a part refuses its input; the message names the key.
+    """
+    # Fixed positions: adding randomness to one part never changes another's draws.
+    seeds = tuple(np.random.SeedSequence(experiment.seed).spawn(4))
+    robot = load_robot(experiment.robot)
+    nominal = _variant(robot, experiment.nominal, seeds[0], "nominal")
+    truth = _variant(robot, experiment.plant, seeds[1], "plant")
+    resolved = experiment.model_copy(update={"robot": robot.resolved})
+    header = LogHeader(to_yaml(resolved), robot.urdf, experiment.seed, robot.joint_names, versions())
+    q0, v0 = _initial(experiment.initial, robot)
+    composition = Composition(experiment, nominal, truth, header, seeds, q0, v0)
+    composition.reference()
+    composition.controller()
+    return composition
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that can change the bits of a run."""
+    found: dict[str, str] = {"python": platform.python_version()}
+    for name in VERSIONED:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "absent"
+    return found
+
+
+def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: str) -> Robot:
+    if spec.dispersion is not None:
+        robot = disperse(robot, spec.dispersion, np.random.default_rng(seed))
+    if spec.payload is not None:
+        robot = attach_payload(robot, spec.payload)
+    return robot
+
+
+def _initial(spec: Initial, robot: Robot) -> tuple[Vector, Vector]:
+    joints = robot.home
+    if spec.joints_deg is not None:
+        joints = np.radians(_joints(spec.joints_deg, robot, "initial.joints_deg"))
+    elif spec.joints is not None:
+        joints = _joints(spec.joints, robot, "initial.joints")
+    quaternion = from_rpy(np.radians(np.array(spec.attitude_deg)))
+    q0 = np.concatenate([np.array(spec.position), quaternion, joints])
+    v0 = np.concatenate([np.array(spec.linear_velocity), np.array(spec.angular_velocity), np.zeros(robot.n)])
+    return q0, v0
+
+
+def _joints(values: PerJointValues, robot: Robot, key: str) -> Vector:
+    result: Any = expand(values, robot.joint_names, key)
+    return np.asarray(result, dtype=np.float64)

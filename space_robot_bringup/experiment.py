@@ -1,0 +1,175 @@
+"""The experiment file: one YAML, typed, resolved once, the single source of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from io import StringIO
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat
+from ruamel.yaml import YAML
+
+from space_robot_bringup.timebase import steps_of, to_nanoseconds
+from space_robot_control.references.spec import ReferenceSpec
+from space_robot_description.dispersion import Dispersion
+from space_robot_description.payload import Payload
+from space_robot_description.share import config_dir, shipped
+from space_robot_description.spec import Strict, Three
+from space_robot_description.validation import nearest, parse_yaml, validate
+from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_sim.integrators import IntegratorSpec
+from space_robot_sim.sensors import SensorSpec
+
+PerJointValues = tuple[float, ...] | dict[str, float]
+
+
+class Initial(Strict):
+    """Where and how the robot starts; what is not said is zero, joints start at the robot's home."""
+
+    position: Three = Field(default=(0.0, 0.0, 0.0), description="base origin in the inertial frame [m]")
+    attitude_deg: Three = Field(default=(0.0, 0.0, 0.0), description="roll, pitch, yaw (R = Rz Ry Rx) [deg]")
+    joints_deg: PerJointValues | None = Field(default=None, description="list, or mapping by joint name [deg]")
+    joints: PerJointValues | None = Field(default=None, description="the same in [rad] or [m]")
+    linear_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="of the base, body frame [m/s]")
+    angular_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="of the base, body frame [rad/s]")
+
+
+class ControllerSpec(Strict):
+    """The law and its gains; defaults live with the law."""
+
+    law: str = Field(default="computed_torque", description="name of a law, or module:Class")
+    gains: dict[str, Any] = Field(default_factory=dict, description="the law's own gains, checked by the law")
+
+
+class ModelSpec(Strict):
+    """How a model differs from the robot file."""
+
+    payload: Payload | None = Field(default=None, description="rigid payload")
+    dispersion: Dispersion | None = Field(default=None, description="random deviation of its parameters, seeded")
+
+
+class PlantSpec(ModelSpec):
+    """What the real robot does: the truth."""
+
+    delay_periods: Literal[0, 1] = Field(default=0, description="a command acts in the period of its state, or the next")
+    hold: Literal["last", "zero"] = Field(default="last", description="what acts when no usable command is there")
+    integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
+    sensors: SensorSpec = Field(default_factory=SensorSpec)
+
+
+class Expectation(Strict):
+    """What a metric should be; at least one bound."""
+
+    value: float | None = Field(default=None, description="expected value, in the metric's unit")
+    tolerance: NonNegativeFloat = Field(default=0.0, description="allowed distance from the value")
+    min: float | None = None
+    max: float | None = None
+
+
+class Experiment(Strict):
+    """One run of one robot under one law: everything that decides its bits.
+
+    ``robot`` is the name of a shipped robot, the path of a robot file (relative to this file), or, in a resolved
+    experiment, the robot file's content.
+    """
+
+    title: str = ""
+    source: str = Field(default="", description="paper and figure this reproduces")
+    robot: str | dict[str, Any]
+    control_period: PositiveFloat = Field(description="[s]")
+    duration: PositiveFloat = Field(description="[s], a multiple of the control period")
+    seed: NonNegativeInt = 0
+    initial: Initial = Field(default_factory=Initial)
+    reference: ReferenceSpec
+    controller: ControllerSpec = Field(default_factory=ControllerSpec)
+    plant: PlantSpec = Field(default_factory=PlantSpec)
+    nominal: ModelSpec = Field(default_factory=ModelSpec, description="what the flight software believes")
+    expect: dict[str, Expectation] = Field(default_factory=dict, description="metric name -> bound; the verdict")
+
+    @property
+    def period(self) -> int:
+        """Control period [ns]."""
+        return to_nanoseconds(self.control_period, "control_period")
+
+    @property
+    def steps(self) -> int:
+        """Number of control periods."""
+        return steps_of(self.duration, self.control_period)
+
+
+def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experiment:
+    """Read, override and check an experiment.
+
+    Args:
+        name_or_path: a shipped name such as ``liu2023/fig08``, or the path of a YAML file.
+        overrides: ``dotted.key=value`` with the value in YAML.
+
+    Raises:
+        InputFileError: there is no such file or shipped experiment.
+        SpecError: a key or value cannot be used.
+    """
+    path = experiment_path(name_or_path)
+    data = parse_yaml(path)
+    for override in overrides:
+        apply_override(data, override)
+    robot = data.get("robot")
+    if isinstance(robot, str) and (path.parent / robot).is_file():
+        data["robot"] = str(path.parent / robot)
+    return experiment_from(data, str(name_or_path))
+
+
+def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
+    """Check a mapping as an experiment; the time base is checked too."""
+    experiment = validate(Experiment, dict(data), where)
+    _ = experiment.steps
+    return experiment
+
+
+def experiment_path(name_or_path: str) -> Path:
+    """The file of a shipped experiment, or the given path."""
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    inside = config_dir() / "experiments" / f"{name_or_path}.yaml"
+    if inside.is_file():
+        return inside
+    names = shipped("experiments")
+    raise InputFileError(
+        "no such experiment file or shipped experiment",
+        key="experiment",
+        value=name_or_path,
+        accepted=f"a YAML file, or one of: {nearest(name_or_path, names) or ', '.join(names)}",
+    )
+
+
+def apply_override(data: dict[str, Any], override: str) -> None:
+    """Set one ``dotted.key=value`` in a mapping, making the mappings on the way."""
+    key, equals, text = override.partition("=")
+    if not equals or not key.strip():
+        raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
+    *parents, last = key.strip().split(".")
+    place = data
+    for parent in parents:
+        child = place.setdefault(parent, {})
+        if not isinstance(child, dict):
+            raise SpecError("is a value, not a section", key=f"--set {key}", value=parent, accepted="a key of a section")
+        place = child
+    place[last] = YAML(typ="safe", pure=True).load(StringIO(text))
+
+
+def to_yaml(experiment: Experiment) -> str:
+    """The resolved experiment as YAML text with every default written out; equal experiments give equal text."""
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[attr-defined]
+    out = StringIO()
+    yaml.dump(experiment.model_dump(mode="json"), out)
+    return out.getvalue()
+
+
+def with_duration(experiment: Experiment, duration: float | None) -> Experiment:
+    """The experiment with another duration [s]; None leaves it."""
+    if duration is None:
+        return experiment
+    return experiment_from(experiment.model_dump() | {"duration": duration}, "--duration")

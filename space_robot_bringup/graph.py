@@ -1,0 +1,185 @@
+"""The graph mode: all nodes in one private context and one executor. The only module of bringup that knows rclpy."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from domain_coordinator import domain_id
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from space_robot_bringup.compose import Composition
+from space_robot_control.nodes.controller import ControllerNode
+from space_robot_control.nodes.guidance import GuidanceNode
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.log_writer import LogWriter
+from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_sim.nodes.recorder import RecorderNode
+from space_robot_sim.nodes.simulator import SimulatorNode
+
+if TYPE_CHECKING:
+    from space_robot_bringup.run import Hooks
+
+# A finite timeout: without one this executor neither fires timers nor sleeps.
+SPIN_TIMEOUT = 0.05
+DRAIN_SECONDS = 5.0
+QUIET_SECONDS = 0.2
+LARGEST_DOMAIN = 232
+# No parameter services and no /rosout on nodes that live for one run: half the start-up, no background traffic.
+LIGHT = {"start_parameter_services": False, "enable_rosout": False}
+
+
+@contextmanager
+def private_context(ros_arguments: Sequence[str] = ()) -> Iterator[Context]:
+    """A context of its own: localhost only, on the domain of ROS_DOMAIN_ID or one no other run here uses.
+
+    Args:
+        ros_arguments: ``--ros-args ...`` for rclpy.
+    """
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    context = Context()
+    with reserved_domain() as domain:
+        rclpy.init(
+            args=list(ros_arguments),
+            context=context,
+            domain_id=domain,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        try:
+            yield context
+        finally:
+            context.try_shutdown()
+
+
+@contextmanager
+def reserved_domain() -> Iterator[int]:
+    """ROS_DOMAIN_ID where it is set, else a domain that stays this run's own until the end of the block."""
+    chosen = os.environ.get("ROS_DOMAIN_ID")
+    if chosen is not None:
+        yield domain_number(chosen)
+        return
+    reservation = domain_id()
+    number = int(reservation.__enter__())
+    try:
+        yield number
+    finally:
+        # Left without an exception on purpose: the coordinator takes any OSError of the run for its own.
+        reservation.__exit__(None, None, None)
+
+
+def domain_number(text: str) -> int:
+    """A ROS domain id, checked."""
+    if not text.isdecimal() or int(text) > LARGEST_DOMAIN:
+        raise SpecError("not a domain", key="ROS_DOMAIN_ID", value=text, accepted=f"0 to {LARGEST_DOMAIN}")
+    return int(text)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Graph:
+    """The nodes of one run."""
+
+    recorder: RecorderNode
+    guidance: GuidanceNode
+    controller: ControllerNode
+    simulator: SimulatorNode
+
+    @property
+    def nodes(self) -> tuple[GraphNode, ...]:
+        """In the order they came to be: who listens first, who speaks last."""
+        return self.recorder, self.guidance, self.controller, self.simulator
+
+
+def make_node(
+    role: str, composition: Composition, directory: Path, *, realtime: float | None, mode: str, **options: Any
+) -> GraphNode:
+    """One node of the graph by its role: recorder, guidance, controller or simulator."""
+    experiment, names = composition.experiment, composition.joint_names
+    timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
+    if role == "recorder":
+        return RecorderNode(
+            _writers(composition, directory, mode), names, lossless=realtime is None, **timing, **options
+        )
+    if role == "guidance":
+        return GuidanceNode(composition.reference(), names, **timing, **options)
+    if role == "controller":
+        return ControllerNode(composition.controller(), names, **options)
+    return SimulatorNode(
+        composition.plant(), names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
+    )
+
+
+def _writers(composition: Composition, directory: Path, mode: str) -> Callable[[int], LogWriter]:
+    def open_writer(index: int) -> LogWriter:
+        place = directory if index == 0 else directory.with_name(f"{directory.name}_reset{index}")
+        return LogWriter(place, composition.header, custom={"mode": mode})
+
+    return open_writer
+
+
+ROLES = ("recorder", "guidance", "controller", "simulator")
+
+
+def make_graph(
+    composition: Composition, directory: Path, *, context: Context, realtime: float | None = None
+) -> Graph:
+    """All nodes of a run in one context, ready to spin."""
+    made: dict[str, Any] = {
+        role: make_node(role, composition, directory, realtime=realtime, mode="graph", context=context, **LIGHT)
+        for role in ROLES
+    }
+    return Graph(**made)
+
+
+def fly_graph(composition: Composition, directory: Path, *, realtime: float | None, hooks: Hooks) -> str:
+    """Fly one run in graph mode and return the reason of its end."""
+    with private_context() as context:
+        graph = make_graph(composition, directory, context=context, realtime=realtime)
+        try:
+            return spin_graph(graph, context, hooks)
+        finally:
+            # Whatever happened above, what was recorded is closed and readable.
+            graph.recorder.finish(graph.simulator.end_reason or "failed")
+            for node in graph.nodes:
+                node.destroy_node()
+
+
+def spin_graph(graph: Graph, context: Context, hooks: Hooks) -> str:
+    """Spin until the run ends by itself or ``hooks.stop`` ends it; everything in flight is recorded first."""
+    executor = EventsExecutor(context=context)
+    for node in graph.nodes:
+        executor.add_node(node)
+    shown = -1
+    while graph.recorder.end_reason is None:
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        if graph.simulator.tick != shown:
+            shown = graph.simulator.tick
+            hooks.on_tick(shown)
+        reason = hooks.stop()
+        if reason is not None:
+            graph.simulator.end(reason)
+            break
+    reason = graph.simulator.end_reason or graph.recorder.end_reason or "failed"
+    drain(executor, graph.recorder, reason)
+    return reason
+
+
+def drain(executor: Any, recorder: RecorderNode, reason: str) -> None:
+    """Let the recorder hear what is still under way, then close its log."""
+    heard, quiet_since = recorder.heard, monotonic()
+    deadline = quiet_since + DRAIN_SECONDS
+    while not recorder.complete and monotonic() < deadline:
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        if recorder.heard != heard:
+            heard, quiet_since = recorder.heard, monotonic()
+        elif reason != "completed" and monotonic() - quiet_since > QUIET_SECONDS:
+            break
+    recorder.finish(reason)
+    executor.shutdown()

@@ -1,0 +1,171 @@
+"""Numbers that judge a run, from its ticks alone: the log is all they need."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from space_robot_control.rotations import conjugate, log, product
+from space_robot_msgs_py.errors import NonFiniteError
+from space_robot_msgs_py.interfaces import NANOSECONDS, Tick, Vector
+
+Matrix = npt.NDArray[np.float64]
+
+SETTLING_BAND = 0.02
+STILL = 1e-9
+MOVED = 1e-6
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Axis:
+    """How one axis followed its reference; rotations in [deg], lengths in [m].
+
+    Attributes:
+        name: ``base/x``, ``base/roll`` or the joint's name.
+        unit: ``m`` or ``deg``.
+        travel: how far the reference ends from where the axis began.
+        final_error: |error| at the last tick.
+        max_error: largest |error| of the run (of a step: the step itself; of an axis that holds: the disturbance).
+        rms_error: root mean square error over the whole run.
+        settling_time: [s] from the start until the axis stays within 2 % of its travel around the final reference;
+            None where the reference keeps moving, nothing was to move, or it never settles.
+        overshoot: [% of travel] beyond the final reference; None as above.
+    """
+
+    name: str
+    unit: str
+    travel: float
+    final_error: float
+    max_error: float
+    rms_error: float
+    settling_time: float | None
+    overshoot: float | None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunMetrics:
+    """The judged run.
+
+    Attributes:
+        ticks: number of ticks.
+        simulated_time: [s].
+        axes: base rotation (and translation of a free-flying robot), then joints.
+        saturation_share: share of periods in which at least one channel was at its limit [-].
+        momentum_residual: largest relative violation of momentum balance, linear and angular [-].
+        energy_residual: largest relative violation of energy balance [-].
+        quaternion_residual: largest deviation of the attitude quaternion's norm before normalisation [-].
+        effort_integral: integral of the sum of |joint effort| and |base torque| [N m s].
+        joint_limit: largest excursion beyond a joint limit [rad or m].
+    """
+
+    ticks: int
+    simulated_time: float
+    axes: tuple[Axis, ...]
+    saturation_share: float
+    momentum_residual: float
+    energy_residual: float
+    quaternion_residual: float
+    effort_integral: float
+    joint_limit: float
+
+    def flat(self) -> dict[str, float | None]:
+        """Every number under one dotted name, e.g. ``base/roll.settling_time``; what ``expect:`` addresses."""
+        numbers: dict[str, float | None] = {}
+        for axis in self.axes:
+            for field in ("final_error", "max_error", "rms_error", "settling_time", "overshoot"):
+                numbers[f"{axis.name}.{field}"] = getattr(axis, field)
+        for field in (
+            "saturation_share",
+            "momentum_residual",
+            "energy_residual",
+            "quaternion_residual",
+            "effort_integral",
+            "joint_limit",
+        ):
+            numbers[field] = getattr(self, field)
+        return numbers
+
+
+def measure(ticks: Iterable[Tick], joint_names: Sequence[str], *, base_translation: bool) -> RunMetrics:
+    """Judge a run by its true motion.
+
+    Args:
+        ticks: all ticks in order; at least one.
+        joint_names: for the names of axes.
+        base_translation: also judge the base position (free-flying).
+
+    Raises:
+        NonFiniteError: there is no tick, or a number is not finite.
+    """
+    rows = list(ticks)
+    if not rows:
+        raise NonFiniteError("a run without a complete tick cannot be judged", key="ticks", value=0, accepted="at least 1")
+    time = np.array([tick.stamp for tick in rows]) / NANOSECONDS
+    truth = np.array([tick.sample.telemetry["true_configuration"] for tick in rows])
+    desired = np.array([tick.reference.q for tick in rows])
+    moving = np.array([np.abs(tick.reference.v).max() > STILL for tick in rows])
+    errors, from_goal = _deviations(truth, desired), _deviations(truth, np.repeat(desired[-1:], len(rows), axis=0))
+    names = ["base/x", "base/y", "base/z", "base/roll", "base/pitch", "base/yaw", *joint_names]
+    units = ["m"] * 3 + ["deg"] * (3 + len(joint_names))
+    scale = np.array([1.0] * 3 + [np.degrees(1.0)] * (3 + len(joint_names)))
+    axes = tuple(
+        _axis(names[i], units[i], time, errors[:, i] * scale[i], from_goal[:, i] * scale[i], moving)
+        for i in range(0 if base_translation else 3, len(names))
+    )
+    return _with_totals(rows, time, axes)
+
+
+def _deviations(q: Matrix, goal: Matrix) -> Matrix:
+    """(K, 6+n): position error, rotation vector from goal to q in the goal's body frame, joint error."""
+    rotation = np.array([log(product(conjugate(g), a)) for g, a in zip(goal[:, 3:7], q[:, 3:7], strict=True)])
+    return np.hstack([q[:, :3] - goal[:, :3], rotation, q[:, 7:] - goal[:, 7:]])
+
+
+def _axis(name: str, unit: str, time: Vector, error: Vector, from_goal: Vector, moving: npt.NDArray[np.bool_]) -> Axis:
+    travel = abs(from_goal[0])
+    settling: float | None = None
+    overshoot: float | None = None
+    if travel > MOVED and not moving[-1]:
+        outside = np.flatnonzero(np.abs(from_goal) > SETTLING_BAND * travel)
+        if outside.size == 0 or outside[-1] + 1 < time.size:
+            settling = float(time[outside[-1] + 1] - time[0]) if outside.size else 0.0
+        overshoot = float(max(0.0, (-np.sign(from_goal[0]) * from_goal).max()) / travel * 100.0)
+    return Axis(
+        name=name,
+        unit=unit,
+        travel=float(travel),
+        final_error=float(abs(error[-1])),
+        max_error=float(np.abs(error).max()),
+        rms_error=float(np.sqrt(np.mean(error**2))),
+        settling_time=settling,
+        overshoot=overshoot,
+    )
+
+
+def _with_totals(rows: list[Tick], time: Vector, axes: tuple[Axis, ...]) -> RunMetrics:
+    plant = [tick.sample.telemetry for tick in rows]
+    flown = plant[1:] or plant
+    torque = np.array([np.abs(t["applied_wrench"][3:]).sum() + np.abs(t["applied_effort"]).sum() for t in plant])
+    period = np.diff(time, prepend=time[0])
+    metrics = RunMetrics(
+        ticks=len(rows),
+        simulated_time=float(time[-1] - time[0]),
+        axes=axes,
+        saturation_share=float(np.mean([t["saturation"].any() for t in flown])),
+        momentum_residual=_largest(plant, "momentum_residual"),
+        energy_residual=_largest(plant, "energy_residual"),
+        quaternion_residual=_largest(plant, "quaternion_residual"),
+        effort_integral=float(torque @ period),
+        joint_limit=_largest(plant, "joint_limit"),
+    )
+    for key, value in metrics.flat().items():
+        if value is not None and not np.isfinite(value):
+            raise NonFiniteError("a metric is not finite", key=key, value=value, accepted="a finite number")
+    return metrics
+
+
+def _largest(telemetry: Sequence[object], label: str) -> float:
+    return float(max(np.max(np.abs(t[label]), initial=0.0) for t in telemetry))  # type: ignore[index]

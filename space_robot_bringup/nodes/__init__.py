@@ -1,0 +1,1 @@
+"""Entry points that run one node as a process of its own."""

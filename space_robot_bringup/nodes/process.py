@@ -1,0 +1,92 @@
+"""One node of an experiment as one process: what ``--mode processes`` starts.
+
+    python -m space_robot_bringup.nodes.process simulator --experiment liu2023/fig08 --out runs/fig08
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from time import monotonic
+
+from rclpy.experimental import EventsExecutor
+
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.graph import ROLES, SPIN_TIMEOUT, drain, make_node, private_context
+from space_robot_bringup.stopping import StopFlag
+from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_sim.nodes.recorder import RecorderNode
+
+ACKNOWLEDGE_SECONDS = 5.0
+PROGRESS_SECONDS = 0.2
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run one node until the run ends. Returns 0, 1 where the node failed, 2 on bad input."""
+    parser = argparse.ArgumentParser(prog="space_robot_bringup.nodes.process", description=__doc__)
+    parser.add_argument("role", choices=ROLES)
+    parser.add_argument("--experiment", required=True, help="shipped name or YAML file")
+    parser.add_argument("--out", type=Path, required=True, help="run directory (the recorder's)")
+    parser.add_argument("--realtime", type=float, default=None, help="simulated seconds per second; default lock-step")
+    parser.add_argument("--progress", action="store_true", help="print the tick that was reached, now and then")
+    own, ros = _split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
+    options = parser.parse_args(own)
+    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
+        try:
+            composition = compose(load_experiment(options.experiment))
+            with private_context(ros) as context:
+                node = make_node(
+                    options.role,
+                    composition,
+                    options.out,
+                    realtime=options.realtime,
+                    mode="processes",
+                    context=context,
+                )
+                executor = EventsExecutor(context=context)
+                executor.add_node(node)
+                return _spin(node, executor, stop, _printer(composition.experiment.period) if options.progress else None)
+        except SpaceRobotError as error:
+            print(f"space-robot {options.role}: {error}", file=sys.stderr)
+            return 2
+
+
+def _split_ros_arguments(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """Ours, and those from ``--ros-args`` on, which rclpy reads."""
+    split = arguments.index("--ros-args") if "--ros-args" in arguments else len(arguments)
+    return arguments[:split], arguments[split:]
+
+
+def _spin(node: GraphNode, executor: EventsExecutor, stop: StopFlag, progress: Callable[[GraphNode], None] | None) -> int:
+    while node.end_reason is None:
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        if stop.reason is not None:
+            node.end(stop.reason)
+        if progress is not None:
+            progress(node)
+    if isinstance(node, RecorderNode):
+        drain(executor, node, node.end_reason)
+    node.flush(ACKNOWLEDGE_SECONDS)
+    node.destroy_node()
+    return 0 if node.failure is None else 1
+
+
+def _printer(period: int) -> Callable[[GraphNode], None]:
+    shown = -1.0
+
+    def show(node: GraphNode) -> None:
+        nonlocal shown
+        if isinstance(node, RecorderNode) and monotonic() - shown > PROGRESS_SECONDS:
+            shown = monotonic()
+            print(f"tick {node.written_until // period}", flush=True)
+
+    return show
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,51 @@
+"""How far a run is: a bar on a terminal, a few plain lines elsewhere."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as RichProgress
+
+PLAIN_LINES = 4
+
+
+class Progress:
+    """Shows the tick a run has reached.
+
+    Args:
+        console: where to; its own terminal detection decides between bar and lines.
+        steps: the last tick.
+        quiet: show nothing.
+    """
+
+    def __init__(self, console: Console, steps: int, *, quiet: bool) -> None:
+        self._console, self._steps, self._quiet = console, steps, quiet
+        self._shown_quarter = 0
+        self._bar: RichProgress | None = None
+        if console.is_terminal and not quiet:
+            columns = (TextColumn("flying"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+            self._bar = RichProgress(*columns, console=console, transient=True)
+            self._task = self._bar.add_task("flying", total=steps)
+
+    def reach(self, tick: int) -> None:
+        """The run has reached this tick."""
+        if self._bar is not None:
+            self._bar.update(self._task, completed=tick)
+        elif not self._quiet:
+            quarter = PLAIN_LINES * tick // self._steps
+            if quarter > self._shown_quarter:
+                self._shown_quarter = quarter
+                self._console.print(f"tick {tick} of {self._steps}")
+
+    def __enter__(self) -> Progress:
+        if self._bar is not None:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()

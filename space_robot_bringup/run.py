@@ -1,0 +1,116 @@
+"""One run in any mode: objects together, log in a directory, verdict out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Literal
+
+from space_robot_bringup import closed_loop
+from space_robot_bringup.compose import Composition, compose
+from space_robot_bringup.experiment import Experiment
+from space_robot_bringup.metrics import RunMetrics, measure
+from space_robot_bringup.verdict import Check, judge
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log_writer import LogSink
+
+Mode = Literal["headless", "graph", "processes"]
+MODES: tuple[Mode, ...] = ("headless", "graph", "processes")
+
+
+@dataclass(frozen=True, slots=True)
+class Hooks:
+    """How a run talks to whoever started it.
+
+    Attributes:
+        on_tick: told each finished tick.
+        stop: asked often; a reason ends the run.
+    """
+
+    on_tick: Callable[[int], None] = lambda tick: None
+    stop: Callable[[], str | None] = lambda: None
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """What a run left behind.
+
+    Attributes:
+        directory: the bag.
+        end_reason: ``completed``, ``interrupted``, ``terminated`` or an error.
+        metrics: None where no tick was completed.
+        checks: the verdict, bound by bound.
+        wall_time: [s] of the flight, set-up not counted.
+    """
+
+    directory: Path
+    end_reason: str
+    metrics: RunMetrics | None
+    checks: tuple[Check, ...]
+    wall_time: float
+
+    @property
+    def passed(self) -> bool:
+        """Every bound holds."""
+        return bool(self.checks) and all(check.passed for check in self.checks)
+
+
+def run_experiment(
+    experiment: Experiment, directory: Path, *, mode: Mode, realtime: float | None = None, hooks: Hooks | None = None
+) -> RunResult:
+    """Fly an experiment, log it and judge it from the log.
+
+    Args:
+        experiment: what to fly.
+        directory: where the bag goes.
+        mode: how the objects are put together; it changes no bit of the log.
+        realtime: simulated seconds per second; None: as fast as it goes. Not for headless.
+        hooks: progress and early end.
+
+    Raises:
+        SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was flown.
+    """
+    hooks = hooks or Hooks()
+    if mode == "headless" and realtime is not None:
+        raise SpecError("has no wall clock", key="--realtime", value=realtime, accepted="--mode graph or processes")
+    composition = compose(experiment)
+    begin = perf_counter()
+    reason = _fly(composition, directory, mode, realtime, hooks)
+    wall_time = perf_counter() - begin
+    return judge_log(directory, composition, reason, wall_time)
+
+
+def judge_log(directory: Path, composition: Composition, reason: str, wall_time: float) -> RunResult:
+    """The result of a run, read back from its log."""
+    ticks = list(LogReader(directory).ticks())
+    metrics = None
+    checks: tuple[Check, ...] = ()
+    if ticks:
+        flying = composition.nominal.base_mode == "free_flying"
+        metrics = measure(ticks, composition.joint_names, base_translation=flying)
+        checks = judge(metrics, composition.experiment.expect, reason)
+    return RunResult(directory, reason, metrics, checks, wall_time)
+
+
+def _fly(composition: Composition, directory: Path, mode: Mode, realtime: float | None, hooks: Hooks) -> str:
+    if mode == "headless":
+        sink = LogSink(directory, composition.header, custom={"mode": mode})
+        return closed_loop.run(
+            composition.plant(),
+            composition.controller(),
+            composition.reference(),
+            steps=composition.experiment.steps,
+            sink=sink,
+            on_tick=hooks.on_tick,
+            stop=hooks.stop,
+        )
+    if mode == "graph":
+        from space_robot_bringup.graph import fly_graph
+
+        return fly_graph(composition, directory, realtime=realtime, hooks=hooks)
+    from space_robot_bringup.processes import fly_processes
+
+    return fly_processes(composition, directory, realtime=realtime, hooks=hooks)

@@ -1,0 +1,63 @@
+"""Did the run do what it should: bounds that hold for every run, and those the experiment states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from space_robot_bringup.experiment import Expectation
+from space_robot_bringup.metrics import RunMetrics
+from space_robot_description.validation import nearest
+from space_robot_msgs_py.errors import SpecError
+
+# A plant that loses more than this is wrong, whatever the controller does.
+PLANT_BOUNDS = {"momentum_residual": 1e-8, "energy_residual": 1e-7, "quaternion_residual": 1e-8}
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One bound and what was measured.
+
+    Attributes:
+        name: metric, e.g. ``base/roll.settling_time``.
+        measured: None where the run has no such number (never settled).
+        wanted: the bound in words.
+        passed: it holds.
+    """
+
+    name: str
+    measured: float | None
+    wanted: str
+    passed: bool
+
+
+def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: str | None) -> tuple[Check, ...]:
+    """All checks of a run.
+
+    Raises:
+        SpecError: an expectation names a metric there is not.
+    """
+    numbers = metrics.flat()
+    checks = [Check("completed", None, f"the run ends by itself (ended: {end_reason})", end_reason == "completed")]
+    for name, bound in PLANT_BOUNDS.items():
+        value = numbers[name]
+        checks.append(Check(name, value, f"<= {bound:g}", value is not None and value <= bound))
+    for name, expectation in expect.items():
+        if name not in numbers:
+            raise SpecError(
+                "no such metric", key=f"expect.{name}", accepted=nearest(name, list(numbers)) or ", ".join(numbers)
+            )
+        checks += _check(name, numbers[name], expectation)
+    return tuple(checks)
+
+
+def _check(name: str, value: float | None, wanted: Expectation) -> list[Check]:
+    checks = []
+    if wanted.value is not None:
+        close = value is not None and abs(value - wanted.value) <= wanted.tolerance
+        checks.append(Check(name, value, f"{wanted.value:g} +- {wanted.tolerance:g}", close))
+    if wanted.min is not None:
+        checks.append(Check(name, value, f">= {wanted.min:g}", value is not None and value >= wanted.min))
+    if wanted.max is not None:
+        checks.append(Check(name, value, f"<= {wanted.max:g}", value is not None and value <= wanted.max))
+    return checks
