@@ -1,0 +1,57 @@
+"""The primitives of CDR, the bytes of a ROS message: little endian, aligned from the end of a 4-byte header."""
+
+from __future__ import annotations
+
+import struct
+
+from space_robot_msgs_py.errors import LayoutError
+from space_robot_msgs_py.interfaces import NANOSECONDS
+
+ENCAPSULATION = b"\x00\x01\x00\x00"
+# Fast DDS hands over buffers rounded up to the largest alignment.
+MAX_TRAILING = 7
+TIME = struct.Struct("<iI")
+UINT32 = struct.Struct("<I")
+
+
+def pack_stamp(stamp: int) -> bytes:
+    """A stamp [ns] as builtin_interfaces/Time.
+
+    Raises:
+        LayoutError: the stamp is negative or beyond what int32 seconds hold.
+    """
+    if not 0 <= stamp < NANOSECONDS << 31:
+        raise LayoutError("stamp cannot be written", key="stamp", value=stamp, accepted="0 to 2^31 s, in ns")
+    return TIME.pack(*divmod(stamp, NANOSECONDS))
+
+
+def unpack_stamp(raw: bytes, offset: int = 0) -> int:
+    """The stamp [ns] at an offset.
+
+    Raises:
+        LayoutError: there are no such bytes, the time is negative or its nanoseconds are a second or more.
+    """
+    try:
+        seconds, nanoseconds = TIME.unpack_from(raw, offset)
+    except struct.error:
+        raise LayoutError("too short for a stamp", value=f"{len(raw)} bytes") from None
+    if seconds < 0 or nanoseconds >= NANOSECONDS:
+        raise LayoutError("not a time of a run", key="stamp", value=(seconds, nanoseconds), accepted="0 <= ns < 10^9")
+    return int(seconds * NANOSECONDS + nanoseconds)
+
+
+def aligned(position: int, alignment: int) -> int:
+    """The next multiple of the alignment, counted from the end of the encapsulation header."""
+    return position + (len(ENCAPSULATION) - position) % alignment
+
+
+def read_primitive(raw: bytes, start: int, kind: str) -> tuple[str | int | None, int]:
+    """The string or number at that place (None: the message ends before it), and where it ends."""
+    if len(raw) < start + 4:
+        return None, start
+    (number,) = UINT32.unpack_from(raw, start)
+    if kind == "uint32":
+        return number, start + 4
+    if len(raw) < start + 4 + number:
+        return None, start
+    return raw[start + 4 : start + 4 + number].removesuffix(b"\0").decode(errors="replace"), start + 4 + number

@@ -1,0 +1,87 @@
+"""Joins messages of equal stamp that arrive one by one, in any order."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Any, Generic, TypeVar
+
+from space_robot_msgs_py.errors import SpecError
+
+T = TypeVar("T")
+_ABSENT: Any = object()
+
+
+class StampJoiner(Generic[T]):
+    """Collects the parts of each stamp and gives them out together, once.
+
+    As long as no more than ``capacity`` stamps are under way, the result does not depend on the order of arrival.
+    A part that comes twice is taken the first time.
+
+    Args:
+        parts: how many parts make a whole.
+        capacity: how many incomplete stamps are kept; beyond, the one waiting longest is dropped and counted.
+        once: True: a stamp that was given out is remembered (the last ``capacity`` of them) and late duplicates are
+            ignored. False: it is forgotten, so that time may start again without ``clear``.
+
+    Attributes:
+        dropped: how many incomplete stamps were given up for lack of room.
+    """
+
+    def __init__(self, parts: int, capacity: int, *, once: bool = True) -> None:
+        if parts < 1 or capacity < 1:
+            raise SpecError("nothing to join", key="parts, capacity", value=(parts, capacity), accepted="1 or more")
+        self._parts, self._capacity, self._once = parts, capacity, once
+        # The first key came first, and is the one to give up; an OrderedDict finds it at once.
+        self._open: OrderedDict[int, list[T]] = OrderedDict()
+        self._done: OrderedDict[int, None] = OrderedDict()
+        self.dropped = 0
+
+    def __len__(self) -> int:
+        """Number of incomplete stamps."""
+        return len(self._open)
+
+    def add(self, part_index: int, stamp: int, item: T) -> tuple[T, ...] | None:
+        """Take one part; return all parts of its stamp if this was the last one missing.
+
+        Args:
+            part_index: which part, from 0.
+            stamp: [ns].
+            item: what to keep.
+        """
+        if stamp in self._done:
+            return None
+        items = self._open.get(stamp)
+        if items is None:
+            items = self._open[stamp] = [_ABSENT] * self._parts
+        if items[part_index] is _ABSENT:
+            items[part_index] = item
+        # Identity only: the parts may be arrays, whose == is not a truth value.
+        if any(one is _ABSENT for one in items):
+            self._make_room()
+            return None
+        del self._open[stamp]
+        self._remember(stamp)
+        return tuple(items)
+
+    def drop_before(self, stamp: int) -> int:
+        """Give up incomplete stamps older than this one [ns]; return how many."""
+        old = [one for one in self._open if one < stamp]
+        for one in old:
+            del self._open[one]
+        return len(old)
+
+    def clear(self) -> None:
+        """Forget everything but the count of dropped stamps, as at the start of a run."""
+        self._open.clear()
+        self._done.clear()
+
+    def _remember(self, stamp: int) -> None:
+        if self._once:
+            self._done[stamp] = None
+            if len(self._done) > self._capacity:
+                self._done.popitem(last=False)
+
+    def _make_room(self) -> None:
+        if len(self._open) > self._capacity:
+            self._open.popitem(last=False)
+            self.dropped += 1

@@ -1,0 +1,49 @@
+"""std_msgs/String, rosgraph_msgs/Clock and the stamp in front of any stamped message."""
+
+from __future__ import annotations
+
+from space_robot_msgs_py.cdr import ENCAPSULATION, UINT32, pack_stamp, unpack_stamp
+from space_robot_msgs_py.errors import LayoutError
+
+
+def peek_stamp(raw: bytes) -> int:
+    """The stamp [ns] of a message that begins with a Header or a Time; nothing else is looked at."""
+    return unpack_stamp(raw, 4)
+
+
+def encode_string(text: str) -> bytes:
+    """A std_msgs/String.
+
+    Raises:
+        LayoutError: the text holds a NUL, which ends a string in CDR.
+    """
+    if "\0" in text:
+        raise LayoutError("text with a NUL cannot be sent", key="std_msgs/msg/String", value=text[:40])
+    data = text.encode() + b"\0"
+    return ENCAPSULATION + UINT32.pack(len(data)) + data
+
+
+def decode_string(raw: bytes) -> str:
+    """The text of a std_msgs/String.
+
+    Raises:
+        LayoutError: the bytes are not a string.
+    """
+    size = UINT32.unpack_from(raw, 4)[0] if len(raw) >= 8 else 0
+    data = raw[8 : 8 + size]
+    if raw[:2] != ENCAPSULATION[:2] or not size or len(data) != size or data[-1]:
+        raise LayoutError("not a string", key="std_msgs/msg/String", value=f"{len(raw)} bytes")
+    try:
+        return data[:-1].decode()
+    except UnicodeDecodeError:
+        raise LayoutError("not UTF-8", key="std_msgs/msg/String", value=data[:40]) from None
+
+
+def encode_clock(stamp: int) -> bytes:
+    """A rosgraph_msgs/Clock from a time [ns]."""
+    return ENCAPSULATION + pack_stamp(stamp)
+
+
+def decode_clock(raw: bytes) -> int:
+    """The time [ns] of a rosgraph_msgs/Clock."""
+    return peek_stamp(raw)

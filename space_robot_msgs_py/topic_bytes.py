@@ -1,0 +1,127 @@
+"""Raw messages by topic: their stamps, their canonical form, and all of one tick at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from space_robot_msgs_py.errors import LayoutError
+from space_robot_msgs_py.general import canonical_message
+from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Telemetry, Tick
+from space_robot_msgs_py.layout import Layout
+from space_robot_msgs_py.telemetry_codec import TelemetryCodec
+from space_robot_msgs_py.text_codecs import peek_stamp
+from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, TABLE, Topic
+from space_robot_msgs_py.value_codecs import CommandCodec, ReferenceCodec, StateCodec
+
+# What a tick consists of, in the order of the log.
+LOGGED: tuple[Topic, ...] = tuple(topic for topic in TABLE if topic.recorded and not topic.latched)
+
+
+class TickCodec:
+    """A whole tick to and from the messages of ``LOGGED``.
+
+    Args:
+        joint_names: the robot's joints in model order.
+    """
+
+    def __init__(self, joint_names: Sequence[str]) -> None:
+        self.state = StateCodec(joint_names)
+        self.reference = ReferenceCodec(joint_names)
+        self.command = CommandCodec(joint_names)
+        self.controller_telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
+        self.plant_telemetry = TelemetryCodec(PLANT_TELEMETRY)
+
+    def encode(self, tick: Tick) -> tuple[bytes, ...]:
+        """The messages of a tick in the order of ``LOGGED``.
+
+        Raises:
+            LayoutError: its values do not carry one stamp.
+        """
+        sample, output = tick.sample, tick.output
+        values = (sample.state, tick.reference, output.command, output.telemetry, sample.telemetry)
+        if any(value.stamp != tick.stamp for value in values):
+            stamps = [value.stamp for value in values]
+            raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
+        return (
+            *self.state.encode(sample.state),
+            *self.reference.encode(tick.reference),
+            *self.command.encode(output.command),
+            *self.controller_telemetry.encode(output.telemetry),
+            *self.plant_telemetry.encode(sample.telemetry),
+        )
+
+    def decode(self, parts: Mapping[str, bytes]) -> Tick:
+        """The tick in the messages of one stamp, by topic name; telemetry that is not there becomes empty.
+
+        Raises:
+            LayoutError: a message does not fit its topic, or the stamps differ (CommandError for commands).
+            NonFiniteError: a number is NaN or infinite.
+        """
+        state = self.state.decode([parts[topic.name] for topic in self.state.topics])
+        reference = self.reference.decode([parts[topic.name] for topic in self.reference.topics])
+        command = self.command.decode([parts[topic.name] for topic in self.command.topics])
+        if not state.stamp == reference.stamp == command.stamp:
+            stamps = [state.stamp, reference.stamp, command.stamp]
+            raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
+        return Tick(
+            PlantSample(state, _telemetry(self.plant_telemetry, parts, state.stamp)),
+            reference,
+            ControlOutput(command, _telemetry(self.controller_telemetry, parts, state.stamp)),
+        )
+
+
+class TopicBytes:
+    """Canonical form and stamp of raw messages, topic by topic, as a recorder needs them.
+
+    Bytes that have the layout of this robot are only cleaned; other messages of the right type (a covariance sequence,
+    another frame, big endian) go through the general path and keep their content.
+
+    Args:
+        joint_names: the robot's joints in model order.
+    """
+
+    def __init__(self, joint_names: Sequence[str]) -> None:
+        codecs = (StateCodec(joint_names), ReferenceCodec(joint_names), CommandCodec(joint_names))
+        self._layouts: dict[str, Layout] = {
+            topic.name: layout for codec in codecs for topic, layout in zip(codec.topics, codec.layouts, strict=True)
+        }
+        self._telemetry = {topic.name: TelemetryCodec(topic) for topic in (CONTROLLER_TELEMETRY, PLANT_TELEMETRY)}
+
+    def read(self, topic: Topic, raw: bytes) -> tuple[int, bytes]:
+        """The stamp [ns] and the canonical bytes of a message.
+
+        Raises:
+            LayoutError: it is not a message of the topic's type, or it has no stamp.
+        """
+        data = self.canonical(topic, raw)
+        telemetry = self._telemetry.get(topic.name)
+        return (peek_stamp(data) if telemetry is None else telemetry.peek_stamp(data)), data
+
+    def canonical(self, topic: Topic, raw: bytes) -> bytes:
+        """The same message with zero padding and nothing behind it.
+
+        Raises:
+            LayoutError: it is not a message of the topic's type.
+        """
+        layout = self._layouts.get(topic.name)
+        if layout is None and topic.name in self._telemetry:
+            try:
+                return self._telemetry[topic.name].canonical(raw)
+            except LayoutError:
+                return canonical_message(topic.type, raw)
+        if layout is not None and layout.matches(raw):
+            return layout.canonical(raw)
+        return canonical_message(topic.type, raw)
+
+
+def _telemetry(codec: TelemetryCodec, parts: Mapping[str, bytes], stamp: int) -> Telemetry:
+    raw = parts.get(codec.topics[0].name)
+    if raw is None:
+        return Telemetry(stamp, (), (), np.empty(0))
+    telemetry = codec.decode((raw,))
+    if telemetry.stamp != stamp:
+        key, value = codec.topics[0].name, [stamp, telemetry.stamp]
+        raise LayoutError("parts of different stamps", key=key, value=value, accepted="one stamp")
+    return telemetry

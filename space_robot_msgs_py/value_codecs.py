@@ -1,0 +1,165 @@
+"""State, reference and command to and from the canonical bytes of their topics, in table order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar, Generic, TypeVar
+
+import numpy as np
+
+from space_robot_msgs_py import message_layouts as standard
+from space_robot_msgs_py.cdr import pack_stamp, unpack_stamp
+from space_robot_msgs_py.errors import CommandError, LayoutError
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState
+from space_robot_msgs_py.layout import Layout
+from space_robot_msgs_py.topics import (
+    BASE_IMU,
+    BASE_ODOM,
+    JOINT_COMMAND,
+    JOINT_STATES,
+    REFERENCE_BASE,
+    REFERENCE_BASE_ACCEL,
+    REFERENCE_JOINTS,
+    WRENCH_COMMAND,
+    Topic,
+    topics_of,
+)
+
+V = TypeVar("V")
+Blocks = Sequence[bytes]
+
+
+class PartsCodec(Generic[V]):
+    """What the codecs of state, reference and command share: a value is several messages of one stamp.
+
+    Attributes:
+        topics: the topics of the parts, in table order.
+        layouts: their layouts.
+    """
+
+    topics: ClassVar[tuple[Topic, ...]]
+    layouts: tuple[Layout, ...]
+
+    def encode(self, value: V) -> tuple[bytes, ...]:
+        """The messages of a value, in the order of ``topics``.
+
+        Raises:
+            LayoutError: a part of the value has the wrong size (CommandError for commands).
+        """
+        raise NotImplementedError
+
+    def decode(self, parts: Sequence[bytes]) -> V:
+        """The value in these messages, which are in the order of ``topics``.
+
+        Raises:
+            LayoutError: a part has another layout (CommandError for commands), or the stamps differ.
+            NonFiniteError: a number is NaN or infinite.
+        """
+        blocks = [layout.blocks(part) for layout, part in zip(self.layouts, parts, strict=True)]
+        if any(block[0] != blocks[0][0] for block in blocks):
+            stamps = [unpack_stamp(block[0]) for block in blocks]
+            names = ", ".join(topic.name for topic in self.topics)
+            raise LayoutError("parts of different stamps", key=names, value=stamps, accepted="one stamp")
+        return self.join(unpack_stamp(blocks[0][0]), [block[1:] for block in blocks])
+
+    def decode_part(self, index: int, raw: bytes) -> tuple[int, Blocks]:
+        """The stamp [ns] of one part and the bytes of its arrays, checked against the layout; see ``join``."""
+        stamp, *blocks = self.layouts[index].blocks(raw)
+        return unpack_stamp(stamp), blocks
+
+    def join(self, stamp: int, parts: Sequence[Blocks]) -> V:
+        """The value from what ``decode_part`` gave for each part."""
+        raise NotImplementedError
+
+
+class StateCodec(PartsCodec[RobotState]):
+    """RobotState to and from base/odom, joint_states and base/imu.
+
+    The twist of base/odom is the one that counts; orientation and rate in base/imu are copies of the same measurement.
+    """
+
+    topics = topics_of("state")
+
+    def __init__(self, joint_names: Sequence[str]) -> None:
+        self.layouts = (
+            standard.odometry(BASE_ODOM.name, standard.BASE_LINK),
+            standard.joint_state(JOINT_STATES.name, joint_names, ("position", "velocity", "effort")),
+            standard.imu(BASE_IMU.name),
+        )
+
+    def encode(self, value: RobotState) -> tuple[bytes, ...]:
+        """The messages of a state, in the order of ``topics``."""
+        odometry, joints, imu = self.layouts
+        time, q, v = pack_stamp(value.stamp), value.q.tobytes(), value.v.tobytes()
+        return (
+            odometry.fill(time, q[:56], v[:48]),
+            joints.fill(time, q[56:], v[48:], value.effort.tobytes()),
+            imu.fill(time, q[24:56], v[24:48], value.base_acceleration.tobytes()),
+        )
+
+    def join(self, stamp: int, parts: Sequence[Blocks]) -> RobotState:
+        """The state from what ``decode_part`` gave for each part."""
+        (pose, twist), (position, velocity, effort), (_, _, acceleration) = parts
+        return RobotState(
+            stamp,
+            np.frombuffer(pose + position),
+            np.frombuffer(twist + velocity),
+            np.frombuffer(effort),
+            np.frombuffer(acceleration),
+        )
+
+
+class ReferenceCodec(PartsCodec[Reference]):
+    """Reference to and from reference/base, reference/base_accel and reference/joints."""
+
+    topics = topics_of("reference")
+
+    def __init__(self, joint_names: Sequence[str]) -> None:
+        self.layouts = (
+            standard.odometry(REFERENCE_BASE.name, standard.BASE_LINK_DESIRED),
+            standard.accel_stamped(REFERENCE_BASE_ACCEL.name),
+            standard.joint_trajectory(REFERENCE_JOINTS.name, joint_names),
+        )
+
+    def encode(self, value: Reference) -> tuple[bytes, ...]:
+        """The messages of a reference, in the order of ``topics``."""
+        odometry, accel, joints = self.layouts
+        time, q, v, a = pack_stamp(value.stamp), value.q.tobytes(), value.v.tobytes(), value.a.tobytes()
+        return (
+            odometry.fill(time, q[:56], v[:48]),
+            accel.fill(time, a[:48]),
+            joints.fill(time, q[56:], v[48:], a[48:]),
+        )
+
+    def join(self, stamp: int, parts: Sequence[Blocks]) -> Reference:
+        """The reference from what ``decode_part`` gave for each part."""
+        (pose, twist), (acceleration,), (positions, velocities, accelerations) = parts
+        return Reference(
+            stamp,
+            np.frombuffer(pose + positions),
+            np.frombuffer(twist + velocities),
+            np.frombuffer(acceleration + accelerations),
+        )
+
+
+class CommandCodec(PartsCodec[Command]):
+    """Command to and from base/wrench_command and joint_command; what does not fit is a CommandError."""
+
+    topics = topics_of("command")
+
+    def __init__(self, joint_names: Sequence[str]) -> None:
+        self.layouts = (
+            standard.wrench_stamped(WRENCH_COMMAND.name, CommandError),
+            standard.joint_state(JOINT_COMMAND.name, joint_names, ("effort",), CommandError),
+        )
+
+    def encode(self, value: Command) -> tuple[bytes, ...]:
+        """The messages of a command, in the order of ``topics``."""
+        wrench, joints = self.layouts
+        time = pack_stamp(value.stamp)
+        return wrench.fill(time, value.wrench.tobytes()), joints.fill(time, value.effort.tobytes())
+
+    def join(self, stamp: int, parts: Sequence[Blocks]) -> Command:
+        """The command from what ``decode_part`` gave for each part."""
+        (wrench,), (effort,) = parts
+        return Command(stamp, np.frombuffer(wrench), np.frombuffer(effort))
