@@ -36,7 +36,8 @@ out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
 SetOption = Annotated[
-    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="override one key, e.g. controller.gains.damping=0.7")
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="override one key, e.g. controller.gains.damping=0.7"),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
 
@@ -106,6 +107,12 @@ def run(
         raise typer.Exit(FAILED)
 
 
+@app.command()
+def schema() -> None:
+    """Print the JSON schema of experiment files, for editors."""
+    print(json.dumps(Experiment.model_json_schema(), indent=2))
+
+
 def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason)
@@ -138,7 +145,7 @@ def main() -> Never:
     except typer.Exit as end:
         sys.exit(end.exit_code)
     except Exception as error:
-        # Usage errors of the parser below typer know how to show themselves; anything else is a bug and shows its trace.
+        # Usage errors of the parser know how to show themselves; anything else is a bug and shows its trace.
         show = getattr(error, "show", None)
         if show is None:
             raise

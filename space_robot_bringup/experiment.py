@@ -52,7 +52,9 @@ class ModelSpec(Strict):
 class PlantSpec(ModelSpec):
     """What the real robot does: the truth."""
 
-    delay_periods: Literal[0, 1] = Field(default=0, description="a command acts in the period of its state, or the next")
+    delay_periods: Literal[0, 1] = Field(
+        default=0, description="a command acts in the period of its state, or the next"
+    )
     hold: Literal["last", "zero"] = Field(default="last", description="what acts when no usable command is there")
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     sensors: SensorSpec = Field(default_factory=SensorSpec)
@@ -153,7 +155,9 @@ def apply_override(data: dict[str, Any], override: str) -> None:
     for parent in parents:
         child = place.setdefault(parent, {})
         if not isinstance(child, dict):
-            raise SpecError("is a value, not a section", key=f"--set {key}", value=parent, accepted="a key of a section")
+            raise SpecError(
+                "is a value, not a section", key=f"--set {key}", value=parent, accepted="a key of a section"
+            )
         place = child
     place[last] = YAML(typ="safe", pure=True).load(StringIO(text))
 

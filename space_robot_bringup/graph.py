@@ -127,9 +127,7 @@ def _writers(composition: Composition, directory: Path, mode: str) -> Callable[[
 ROLES = ("recorder", "guidance", "controller", "simulator")
 
 
-def make_graph(
-    composition: Composition, directory: Path, *, context: Context, realtime: float | None = None
-) -> Graph:
+def make_graph(composition: Composition, directory: Path, *, context: Context, realtime: float | None = None) -> Graph:
     """All nodes of a run in one context, ready to spin."""
     made: dict[str, Any] = {
         role: make_node(role, composition, directory, realtime=realtime, mode="graph", context=context, **LIGHT)

@@ -102,7 +102,9 @@ def measure(ticks: Iterable[Tick], joint_names: Sequence[str], *, base_translati
     """
     rows = list(ticks)
     if not rows:
-        raise NonFiniteError("a run without a complete tick cannot be judged", key="ticks", value=0, accepted="at least 1")
+        raise NonFiniteError(
+            "a run without a complete tick cannot be judged", key="ticks", value=0, accepted="at least 1"
+        )
     time = np.array([tick.stamp for tick in rows]) / NANOSECONDS
     truth = np.array([tick.sample.telemetry["true_configuration"] for tick in rows])
     desired = np.array([tick.reference.q for tick in rows])

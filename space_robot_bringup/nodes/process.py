@@ -1,6 +1,6 @@
 """One node of an experiment as one process: what ``--mode processes`` starts.
 
-    python -m space_robot_bringup.nodes.process simulator --experiment liu2023/fig08 --out runs/fig08
+python -m space_robot_bringup.nodes.process simulator --experiment liu2023/fig08 --out runs/fig08
 """
 
 from __future__ import annotations
@@ -50,7 +50,9 @@ def main(arguments: list[str] | None = None) -> int:
                 )
                 executor = EventsExecutor(context=context)
                 executor.add_node(node)
-                return _spin(node, executor, stop, _printer(composition.experiment.period) if options.progress else None)
+                return _spin(
+                    node, executor, stop, _printer(composition.experiment.period) if options.progress else None
+                )
         except SpaceRobotError as error:
             print(f"space-robot {options.role}: {error}", file=sys.stderr)
             return 2
@@ -62,7 +64,9 @@ def _split_ros_arguments(arguments: list[str]) -> tuple[list[str], list[str]]:
     return arguments[:split], arguments[split:]
 
 
-def _spin(node: GraphNode, executor: EventsExecutor, stop: StopFlag, progress: Callable[[GraphNode], None] | None) -> int:
+def _spin(
+    node: GraphNode, executor: EventsExecutor, stop: StopFlag, progress: Callable[[GraphNode], None] | None
+) -> int:
     while node.end_reason is None:
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         if stop.reason is not None:

@@ -38,7 +38,7 @@ class ControllerNode(GraphNode):
         self._command_publishers = [self.publisher(topic) for topic in self._command.topics]
         self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
         inputs = (*self._state.topics, *self._reference.topics)
-        self._joiner: StampJoiner[bytes] = StampJoiner(len(inputs), JOIN_CAPACITY)
+        self._joiner: StampJoiner[bytes] = StampJoiner(len(inputs), JOIN_CAPACITY, once=False)
         self._controller.reset()
         for index, topic in enumerate(inputs):
             self._listen_part(index, topic)
@@ -74,5 +74,6 @@ class ControllerNode(GraphNode):
         except SpaceRobotError as error:
             self.fail(error)
             return
-        publish_all(self._command_publishers, self._command.encode(output.command))
+        # Telemetry first: when the plant has stepped, everything that belongs to the step before is on its way.
         self._telemetry_publisher.publish(self._telemetry.encode(output.telemetry)[0])
+        publish_all(self._command_publishers, self._command.encode(output.command))

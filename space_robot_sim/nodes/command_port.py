@@ -33,7 +33,7 @@ class CommandPort:
     ) -> None:
         self._node, self._on_answer, self._keep_late = node, on_answer, keep_late
         self._codec = CommandCodec(joint_names)
-        self._joiner: StampJoiner[bytes] = StampJoiner(len(self._codec.topics), JOIN_CAPACITY)
+        self._joiner: StampJoiner[bytes] = StampJoiner(len(self._codec.topics), JOIN_CAPACITY, once=False)
         self._awaited = 0
         self._newest: Command | None = None
         self._answer: Command | None = None

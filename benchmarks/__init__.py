@@ -1,0 +1,1 @@
+"""How fast it is: every table compares things inside one run, because machines differ and neighbours are noisy."""

@@ -1,0 +1,99 @@
+"""A graph in the test's own process, with a foreign node that can say anything on any topic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+
+from space_robot_bringup.compose import Composition, compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.graph import LIGHT, make_node, private_context
+from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.topics import Topic
+from space_robot_sim.nodes.recorder import RecorderNode
+from space_robot_sim.nodes.simulator import SimulatorNode
+
+DEADLINE = 20.0
+
+
+@dataclass
+class Flight:
+    """Nodes of a run under the test's control."""
+
+    composition: Composition
+    context: Context
+    executor: EventsExecutor
+    nodes: dict[str, GraphNode]
+    stranger: GraphNode
+    directory: Path
+
+    @property
+    def simulator(self) -> SimulatorNode:
+        node = self.nodes["simulator"]
+        assert isinstance(node, SimulatorNode)
+        return node
+
+    @property
+    def recorder(self) -> RecorderNode:
+        node = self.nodes["recorder"]
+        assert isinstance(node, RecorderNode)
+        return node
+
+    def spin_until(self, condition: Callable[[], object], what: str) -> None:
+        """Spin until the condition holds; past the deadline say what was awaited and what was there."""
+        end = monotonic() + DEADLINE
+        while not condition():
+            self.executor.spin_once(timeout_sec=0.02)
+            assert monotonic() < end, f"waited {DEADLINE} s for {what}; the simulator is at tick {self.simulator.tick}"
+
+    def spin_for(self, seconds: float) -> None:
+        """Give everything that could happen the time to happen."""
+        end = monotonic() + seconds
+        while monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.01)
+
+    def say(self, topic: Topic, raw: bytes) -> None:
+        """The foreign node publishes raw bytes."""
+        if topic not in self._speakers:
+            self._speakers[topic] = self.stranger.publisher(topic)
+        self._speakers[topic].publish(raw)
+
+    def __post_init__(self) -> None:
+        self._speakers: dict[Topic, Any] = {}
+
+
+@contextmanager
+def flight(
+    directory: Path,
+    *overrides: str,
+    experiment: str = "liu2023/fig08",
+    roles: tuple[str, ...] = ("recorder", "guidance", "controller", "simulator"),
+    realtime: float | None = None,
+) -> Iterator[Flight]:
+    """A composed graph with the given roles in one private context; the recorder's log is closed at the end."""
+    composition = compose(load_experiment(experiment, overrides))
+    with private_context() as context:
+        options: dict[str, Any] = {"context": context, **LIGHT}
+        nodes = {
+            role: make_node(role, composition, directory, realtime=realtime, mode="graph", **options) for role in roles
+        }
+        stranger = GraphNode("stranger", **options)
+        executor = EventsExecutor(context=context)
+        for node in (*nodes.values(), stranger):
+            executor.add_node(node)
+        made = Flight(composition, context, executor, nodes, stranger, directory)
+        try:
+            yield made
+        finally:
+            if "recorder" in nodes:
+                made.recorder.finish("test over")
+            executor.shutdown()
+            for node in (*nodes.values(), stranger):
+                node.destroy_node()

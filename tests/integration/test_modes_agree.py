@@ -1,0 +1,85 @@
+"""One experiment, three compositions, the same bits: the claim everything else stands on."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.run import Hooks, Mode, run_experiment
+from space_robot_msgs_py.log_reader import LogReader
+
+pytest.importorskip("rclpy")
+from space_robot_bringup.processes import fly_processes
+
+pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
+
+# Noise, delay, a payload the law does not know and a motor lag: everything that could tell the modes apart.
+ROUGH = (
+    "plant.delay_periods=1",
+    "plant.sensors.angular_velocity={noise: 1.0e-5}",
+    "plant.sensors.joint_position={noise: 1.0e-5, quantisation: 1.0e-6}",
+    "duration=10.0",
+)
+
+
+def fly(directory: Path, mode: Mode, overrides: tuple[str, ...] = ()) -> Path:
+    result = run_experiment(load_experiment("liu2023/fig08", overrides), directory, mode=mode)
+    assert result.end_reason == "completed"
+    return directory
+
+
+def bag(directory: Path) -> bytes:
+    (log,) = directory.glob("*.mcap")
+    return log.read_bytes()
+
+
+def messages(directory: Path) -> list[tuple[str, int, bytes]]:
+    return list(LogReader(directory).messages())
+
+
+@contextmanager
+def burning_core() -> Iterator[None]:
+    """Another process keeps a core busy meanwhile."""
+    burner = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+    try:
+        yield
+    finally:
+        burner.kill()
+        burner.wait()
+
+
+@pytest.mark.parametrize("overrides", [(), ROUGH], ids=["fig08", "rough"])
+def test_the_three_modes_log_the_same_messages_twice(tmp_path: Path, overrides: tuple[str, ...]) -> None:
+    """Headless, graph and processes give equal messages, and equal files, the second time too."""
+    truth = fly(tmp_path / "a" / "run", "headless", overrides)
+    assert messages(truth)
+    for attempt in ("b", "c"):
+        for mode in ("graph", "processes"):
+            other = fly(tmp_path / attempt / mode / "run", mode, overrides)
+            assert messages(other) == messages(truth), f"{mode} differs from headless"
+            assert bag(other) == bag(truth), f"the file of {mode} differs from that of headless"
+
+
+def test_a_busy_machine_changes_no_bit(tmp_path: Path) -> None:
+    """Timing is not an input: with a core burnt by somebody else the log is the same."""
+    truth = fly(tmp_path / "quiet" / "run", "headless", ROUGH)
+    with burning_core():
+        for mode in ("graph", "processes"):
+            assert bag(fly(tmp_path / mode / "run", mode, ROUGH)) == bag(truth)
+
+
+def test_a_late_controller_changes_no_bit(tmp_path: Path) -> None:
+    """The run waits for its controller: started 3 s after the others it flies the same flight."""
+    experiment = load_experiment("liu2023/fig08", ROUGH)
+    truth = fly(tmp_path / "early" / "run", "headless", ROUGH)
+    late = tmp_path / "late" / "run"
+    reason = fly_processes(compose(experiment), late, realtime=None, hooks=Hooks(), late={"controller": 3.0})
+    assert reason == "completed"
+    assert bag(late) == bag(truth)
