@@ -1,0 +1,1 @@
+"""What decides: laws and references in pure NumPy and Pinocchio; ROS only in ``nodes``."""

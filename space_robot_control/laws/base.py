@@ -1,0 +1,151 @@
+"""What every control law is: a nominal robot, a control period, gains, and one equation."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from math import isfinite
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from space_robot_description.robot import Robot
+from space_robot_description.spec import Strict
+from space_robot_msgs_py.errors import CommandError, ControlError, NonFiniteError, SpecError
+from space_robot_msgs_py.interfaces import (
+    NANOSECONDS,
+    Command,
+    ControlOutput,
+    Reference,
+    RobotState,
+    Telemetry,
+    Vector,
+)
+
+Blocks = Mapping[str, npt.ArrayLike]
+UNIT_TOLERANCE = 1e-3  # a measured quaternion further from unit length is an error, not noise
+
+
+class Law(ABC):
+    """A control law as a Controller: subclasses write ``compute`` and, if they remember anything, ``reset``.
+
+    Subclasses with gains nest a ``Gains`` model and annotate ``gains: Gains``; every field has a default and a
+    description with its unit. A law is a function of the states and references since the last ``reset`` and of nothing
+    else.
+
+    Args:
+        robot: the NOMINAL robot; the true one is never shown to a law.
+        control_period: time between two updates [s].
+        gains: an instance of this law's ``Gains``; None: the defaults.
+
+    Raises:
+        SpecError: the period is not positive or the gains are another law's.
+    """
+
+    class Gains(Strict):
+        """The numbers to tune; this law has none."""
+
+    name: ClassVar[str] = ""
+    gains: Gains
+
+    def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
+        if not (isfinite(control_period) and control_period > 0.0):
+            raise SpecError(
+                "not a period", key="control_period", value=control_period, accepted="a positive number [s]"
+            )
+        if gains is None:
+            gains = self.Gains()
+        if not isinstance(gains, self.Gains):
+            raise SpecError(
+                "not the gains of this law",
+                key="controller.gains",
+                value=type(gains).__qualname__,
+                accepted=self.Gains.__qualname__,
+            )
+        self.robot = robot
+        self.n = robot.n
+        self.control_period = control_period
+        self.gains = gains
+        self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
+
+    @abstractmethod
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return the generalised force u (6+n,) [N, N m] and the labelled blocks of telemetry.
+
+        Args:
+            state: the measured state; sizes and quaternion are checked.
+            reference: the reference of the same stamp.
+
+        Returns:
+            u = [force(3), torque(3), efforts(n)], base part in the body frame; and blocks of constant labels and sizes.
+        """
+
+    def reset(self) -> None:
+        """Forget the past; the next update is the first of a run. Overriding laws call this one too."""
+        self._layout = None
+
+    def update(self, state: RobotState, reference: Reference) -> ControlOutput:
+        """Answer one state with a command and telemetry of the same stamp.
+
+        Raises:
+            CommandError: state or reference does not fit the robot or each other.
+            ControlError: the law met or made numbers it cannot go on with.
+        """
+        self._check(state, reference)
+        try:
+            u, blocks = self.compute(state, reference)
+        except ControlError as error:
+            raise self._failure(error.message, error.key or "u", state.stamp, error.value, error.accepted) from error
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            raise self._failure(str(error), "u", state.stamp) from error
+        return ControlOutput(self._command(state.stamp, u), self._telemetry(state.stamp, blocks))
+
+    def _check(self, state: RobotState, reference: Reference) -> None:
+        if state.q.size != 7 + self.n or reference.q.size != 7 + self.n:
+            sizes = (state.q.size, reference.q.size)
+            accepted = f"configurations of {7 + self.n} for {self.n} joints"
+            raise CommandError("does not fit the robot", key="state, reference", value=sizes, accepted=accepted)
+        if reference.stamp != state.stamp:
+            raise CommandError(
+                "reference of another tick",
+                key="reference.stamp",
+                value=reference.stamp,
+                accepted=f"{state.stamp} [ns]",
+            )
+        x, y, z, w = state.q[3:7].tolist()
+        if abs(x * x + y * y + z * z + w * w - 1.0) > 2.0 * UNIT_TOLERANCE:
+            raise self._failure("not a unit quaternion", "state.q", state.stamp, [x, y, z, w])
+
+    def _command(self, stamp: int, u: Vector) -> Command:
+        if np.shape(u) != (6 + self.n,):
+            raise self._failure("wrong size", "u", stamp, np.shape(u), f"({6 + self.n},)")
+        try:
+            command = Command(stamp, u[:6], u[6:])
+        except NonFiniteError as error:
+            raise self._failure("not a finite number", f"u ({error.key})", stamp, error.value) from error
+        if self.robot.base_mode == "free_floating" and command.wrench[:3].any():
+            value = command.wrench[:3].tolist()
+            raise self._failure("force on a free-floating base", "u (command.wrench)", stamp, value, "zero force")
+        return command
+
+    def _telemetry(self, stamp: int, blocks: Blocks) -> Telemetry:
+        try:
+            telemetry = Telemetry.of(stamp, blocks)
+        except NonFiniteError as error:
+            label = next(label for label, block in blocks.items() if not np.isfinite(block).all())
+            raise self._failure("not a finite number", f"telemetry ({label})", stamp, blocks[label]) from error
+        layout = (telemetry.labels, telemetry.sizes)
+        if self._layout is None:
+            self._layout = layout
+        elif layout != self._layout:
+            accepted = f"labels and sizes of the first update: {self._layout}"
+            raise self._failure("changed within a run", "telemetry", stamp, layout, accepted)
+        return telemetry
+
+    def _failure(
+        self, message: str, quantity: str, stamp: int, value: object = None, accepted: str = ""
+    ) -> ControlError:
+        name = self.name or type(self).__qualname__
+        time = stamp / NANOSECONDS
+        return ControlError(f"{message} at t = {time:g} s", key=f"{name}: {quantity}", value=value, accepted=accepted)

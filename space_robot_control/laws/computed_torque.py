@@ -1,0 +1,108 @@
+"""Computed torque, the honest baseline: feed-forward and PD in task coordinates, nominal inverse dynamics."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
+
+from space_robot_control.joints import joint_values
+from space_robot_control.laws.base import Blocks, Law
+from space_robot_control.laws.dynamics import NominalModel
+from space_robot_control.laws.stability import stability_margin
+from space_robot_control.laws.tracking import error_blocks, tracking_errors
+from space_robot_description.robot import Robot
+from space_robot_description.spec import Strict
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+
+Axes = NonNegativeFloat | Annotated[tuple[NonNegativeFloat, ...], Field(min_length=3, max_length=3)]
+Joints = NonNegativeFloat | tuple[NonNegativeFloat, ...] | dict[str, NonNegativeFloat]
+
+
+class Bandwidth(Strict):
+    """Natural frequency of each error's double integrator; one number stands for all, 0 leaves a DoF uncontrolled."""
+
+    translation: Axes = Field(default=0.5, description="base translation, one number or per body axis [rad/s]")
+    rotation: Axes = Field(default=0.5, description="base rotation, one number or per body axis [rad/s]")
+    joints: Joints = Field(default=0.5, description="one number, a list, or a mapping by joint name [rad/s]")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_for_all(cls, data: Any) -> Any:
+        if isinstance(data, (int, float)) and not isinstance(data, bool):
+            return {"translation": data, "rotation": data, "joints": data}
+        return data
+
+
+class ComputedTorque(Law):
+    """u = M0(q) a + c0(q, v) with a = feed-forward + Kd e_v + Kp e_x, Kp = wn^2 and Kd = 2 zeta wn per DoF.
+
+    M0 and c0 are the nominal robot's, e_x, e_v and the feed-forward those of ``TrackingErrors``. With an exact model
+    and a short period each error obeys e'' + 2 zeta wn e' + wn^2 e = 0: the base position in inertial axes if its
+    bandwidth is one number, the attitude to first order in the error, the joints exactly.
+
+    Free-floating: the force on the base is exactly zero, its translation follows from the zero-force rows of the
+    nominal model, and the bandwidth of translation is not used.
+
+    Telemetry: position_error (3) [m] and attitude_error (3, rotation vector) [rad] in the body frame, joint_error (n)
+    [rad], twist_error (6) [m/s, rad/s], joint_rate_error (n) [rad/s], acceleration_command (6+n) [m/s2, rad/s2].
+
+    Args:
+        robot: the NOMINAL robot.
+        control_period: [s].
+        gains: bandwidth, damping, allow_unstable.
+
+    Raises:
+        SpecError: the sampled loop would be unstable, see ``stability_margin``, and ``allow_unstable`` is not set.
+
+    Reference: Siciliano et al., "Robotics: Modelling, Planning and Control", 2009, sec. 8.5.2; free-floating inverse
+    dynamics after Umetani and Yoshida, IEEE T-RA 5(3), 1989.
+    """
+
+    class Gains(Law.Gains):
+        """Gains of computed torque."""
+
+        bandwidth: Bandwidth = Field(default_factory=Bandwidth, description="natural frequency wn per DoF [rad/s]")
+        damping: PositiveFloat = Field(default=1.0, description="damping ratio zeta of every DoF [-]")
+        allow_unstable: bool = Field(default=False, description="accept gains outside the sampled loop's stable region")
+
+    name = "computed_torque"
+    gains: Gains
+
+    def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
+        super().__init__(robot, control_period, gains)
+        self.model = NominalModel(robot)
+        wn = _natural_frequencies(self.gains.bandwidth, robot)
+        if not self.gains.allow_unstable:
+            _check_stability(wn, self.gains.damping, control_period, robot)
+        self._kp, self._kd = wn * wn, 2.0 * self.gains.damping * wn
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return u and the telemetry listed at the class."""
+        errors = tracking_errors(state, reference)
+        wished = errors.feedforward + self._kd * errors.velocity + self._kp * errors.configuration
+        u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, wished)
+        return u, {**error_blocks(errors), "acceleration_command": acceleration}
+
+
+def _natural_frequencies(bandwidth: Bandwidth, robot: Robot) -> Vector:
+    wn = np.empty(6 + robot.n)
+    wn[:3], wn[3:6] = bandwidth.translation, bandwidth.rotation
+    wn[6:] = joint_values(bandwidth.joints, robot.joint_names, "controller.gains.bandwidth.joints")
+    return wn
+
+
+def _check_stability(wn: Vector, damping: float, control_period: float, robot: Robot) -> None:
+    names = ["translation"] * 3 + ["rotation"] * 3 + [f"joints ({name})" for name in robot.joint_names]
+    used = range(3 if robot.base_mode == "free_floating" else 0, wn.size)
+    worst = max(used, key=lambda i: float(wn[i]))
+    margin = stability_margin(control_period, float(wn[worst]), damping)
+    if margin <= 1.0:
+        raise SpecError(
+            f"unstable when sampled every {control_period:g} s with damping {damping:g}",
+            key=f"controller.gains.bandwidth.{names[worst]}",
+            value=float(wn[worst]),
+            accepted=f"below {margin * wn[worst]:.6g} rad/s (or allow_unstable: true)",
+        )

@@ -1,0 +1,115 @@
+"""Dynamics of the NOMINAL robot: what a law believes about masses, shared by all laws."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+import numpy as np
+import pinocchio as pin
+
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.errors import ControlError, SpecError
+from space_robot_msgs_py.interfaces import Vector
+
+
+class NominalModel:
+    """M(q) a + c(q, v) = u over Pinocchio, in the coordinates of ``interfaces.py``; owns its work space.
+
+    u = [force(3), torque(3), efforts(n)] is dual to v = [linear(3), angular(3), rates(n)], base part in the body frame
+    at the base origin. There is no gravity, so neither the base position nor its attitude enters.
+
+    Args:
+        robot: the NOMINAL robot.
+
+    Raises:
+        SpecError: the model is not a free-flyer with one-DoF joints, or has gravity.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        model = robot.model
+        if (model.nq, model.nv) != (7 + robot.n, 6 + robot.n) or np.any(model.gravity.vector):
+            raise SpecError(
+                "not a free-flying robot",
+                key="robot.model",
+                value=(model.nq, model.nv, model.gravity.vector.tolist()),
+                accepted=f"nq = {7 + robot.n}, nv = {6 + robot.n}, no gravity",
+            )
+        self.robot = robot
+        self.n = robot.n
+        self.mass = float(pin.computeTotalMass(model))
+        self._model = model
+        self._data = model.createData()
+        self._lower = np.tril_indices(6 + robot.n, -1)
+        self._zero = np.zeros(6 + robot.n)
+
+    def mass_matrix(self, q: Vector) -> Vector:
+        """Return the symmetric (6+n, 6+n) M(q) [kg, kg m, kg m2].
+
+        Args:
+            q: (7+n,) configuration [m, -, rad].
+        """
+        m = np.array(pin.crba(self._model, self._data, q))
+        m[self._lower] = m.T[self._lower]
+        return m
+
+    def bias(self, q: Vector, v: Vector) -> Vector:
+        """Return the (6+n,) Coriolis and centrifugal forces c(q, v) [N, N m].
+
+        Args:
+            q: (7+n,) configuration [m, -, rad].
+            v: (6+n,) velocity, base twist in the body frame [m/s, rad/s].
+        """
+        return self.inverse_dynamics(q, v, self._zero)
+
+    def inverse_dynamics(self, q: Vector, v: Vector, a: Vector) -> Vector:
+        """Return the (6+n,) generalised force M(q) a + c(q, v) [N, N m].
+
+        Args:
+            q: (7+n,) configuration [m, -, rad].
+            v: (6+n,) velocity, base twist in the body frame [m/s, rad/s].
+            a: (6+n,) derivative of the components of v [m/s2, rad/s2].
+
+        Raises:
+            ControlError: the result is not finite.
+        """
+        u = np.array(pin.rnea(self._model, self._data, q, v, a))
+        if not isfinite(u.sum()):
+            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=a.tolist())
+        return u
+
+    def free_floating_acceleration(self, q: Vector, v: Vector, a: Vector) -> Vector:
+        """Return a with its first three entries replaced by those that need no force on the base.
+
+        The zero-force rows are M_ll a_l + M_lr a_r + c_l = 0. In body-frame coordinates M_ll is the total mass times
+        the identity, so with f = M [0, a_r] + c the solution is a_l = -f_l / mass.
+
+        Args:
+            q: (7+n,) configuration [m, -, rad].
+            v: (6+n,) velocity, base twist in the body frame [m/s, rad/s].
+            a: (6+n,) desired acceleration; its first three entries are ignored [m/s2, rad/s2].
+        """
+        out = np.array(a)
+        out[:3] = 0.0
+        out[:3] = self.inverse_dynamics(q, v, out)[:3] / -self.mass
+        return out
+
+    def actuated_inverse_dynamics(self, q: Vector, v: Vector, a: Vector) -> tuple[Vector, Vector]:
+        """Return the force that the robot's actuators can give for a wished acceleration, and what it leads to.
+
+        Free-flying: (M a + c, a). Free-floating: the translation follows from zero force, see
+        ``free_floating_acceleration``; the force entries of u are exactly zero.
+
+        Args:
+            q: (7+n,) configuration [m, -, rad].
+            v: (6+n,) velocity, base twist in the body frame [m/s, rad/s].
+            a: (6+n,) desired acceleration [m/s2, rad/s2].
+
+        Returns:
+            u (6+n,) [N, N m] and a (6+n,) [m/s2, rad/s2].
+        """
+        if self.robot.base_mode == "free_flying":
+            return self.inverse_dynamics(q, v, a), a
+        a = self.free_floating_acceleration(q, v, a)
+        u = self.inverse_dynamics(q, v, a)
+        u[:3] = 0.0
+        return u, a

@@ -1,0 +1,83 @@
+"""Laws by name: built in, installed by another distribution, or anywhere a ``module:Class`` path reaches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from space_robot_control.laws.base import Law
+from space_robot_description.robot import Robot
+from space_robot_description.validation import nearest, validate
+from space_robot_msgs_py.errors import SpecError
+
+GROUP = "space_robot.laws"
+BUILT_IN = {
+    "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
+    "none": "space_robot_control.laws.hold:ZeroCommand",
+}
+
+
+def law_names() -> tuple[str, ...]:
+    """Return the names ``law_class`` knows: the built-in ones, then those of installed distributions, sorted."""
+    return (*BUILT_IN, *sorted(_installed()))
+
+
+def law_class(name: str, key: str = "controller.law") -> type[Law]:
+    """Return a law's class.
+
+    Args:
+        name: a built-in name, the name of an entry point in the group ``space_robot.laws``, or ``module:Class``. A
+            built-in name wins over an entry point.
+        key: what to call the name in an error.
+
+    Raises:
+        SpecError: there is no such law, it cannot be imported, or it is not a ``Law``.
+    """
+    installed = _installed()
+    path = BUILT_IN.get(name) or (installed[name].value if name in installed else name)
+    if ":" not in path:
+        close = nearest(name, law_names())
+        accepted = f"did you mean {close}?" if close else f"{', '.join(law_names())}, or module:Class"
+        raise SpecError("no such law", key=key, value=name, accepted=accepted)
+    return _imported(path, key)
+
+
+def make_law(
+    name: str, robot: Robot, control_period: float, gains: Mapping[str, Any] | None = None, key: str = "controller"
+) -> Law:
+    """Build a law from what an experiment file says about it.
+
+    Args:
+        name: see ``law_class``.
+        robot: the NOMINAL robot.
+        control_period: [s].
+        gains: the law's gains as read from a file; what is missing has its default.
+        key: where the law stands in the file, for errors.
+
+    Raises:
+        SpecError: the law, a gain or the period cannot be used.
+    """
+    cls = law_class(name, f"{key}.law")
+    return cls(robot, control_period, validate(cls.Gains, dict(gains or {}), f"{key}.gains"))
+
+
+def _installed() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=GROUP) if point.name not in BUILT_IN}
+
+
+def _imported(path: str, key: str) -> type[Law]:
+    module_name, _, class_name = path.partition(":")
+    try:
+        module = import_module(module_name)
+    except (ImportError, ValueError) as error:
+        raise SpecError(f"cannot import ({error})", key=key, value=path, accepted="module:Class") from error
+    cls = getattr(module, class_name, None)
+    if cls is None:
+        laws = [k for k, v in vars(module).items() if isinstance(v, type) and issubclass(v, Law) and v is not Law]
+        accepted = f"one of {', '.join(laws)}" if laws else f"a Law in {module_name}, which has none"
+        raise SpecError("no such class", key=key, value=path, accepted=accepted)
+    if not (isinstance(cls, type) and issubclass(cls, Law)):
+        raise SpecError("not a law", key=key, value=path, accepted="a subclass of space_robot_control.laws.Law")
+    return cls

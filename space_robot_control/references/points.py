@@ -1,0 +1,87 @@
+"""References that go from configuration to configuration: hold, step, quintic point-to-point."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from space_robot_control.references.profile import in_body, quintic
+from space_robot_control.rotations import exp, log, product, relative
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Reference, Vector
+
+
+class Hold:
+    """At rest in one configuration.
+
+    Args:
+        q: (7+n,) configuration [m, -, rad].
+    """
+
+    def __init__(self, q: Vector) -> None:
+        self._q, self._zero = np.array(q), np.zeros(q.size - 1)
+
+    def at(self, stamp: int) -> Reference:
+        """Return the reference at a stamp [ns]."""
+        return Reference(stamp, self._q, self._zero, self._zero)
+
+
+class Step:
+    """At rest in one configuration, from a time on in another.
+
+    Args:
+        before: (7+n,) configuration before the step [m, -, rad].
+        after: (7+n,) configuration at the step and afterwards [m, -, rad].
+        time: of the step [ns].
+    """
+
+    def __init__(self, before: Vector, after: Vector, time: int) -> None:
+        self._before, self._after, self._time = Hold(before), Hold(after), time
+
+    def at(self, stamp: int) -> Reference:
+        """Return the reference at a stamp [ns]."""
+        return (self._before if stamp < self._time else self._after).at(stamp)
+
+
+class PointToPoint:
+    """Rest to rest along a straight line and a geodesic, with x(t) = x0 + s(t) (x1 - x0), s quintic.
+
+    The attitude is R(t) = R0 exp(s theta) with the constant rotation vector theta = log(R0^T R1), the short way, so
+    that the body rate is s' theta and its derivative s'' theta, in the desired body frame as in the initial one.
+
+    Args:
+        first: (7+n,) configuration to start from [m, -, rad].
+        last: (7+n,) configuration to end in [m, -, rad].
+        start: [ns].
+        duration: [ns], positive.
+
+    Raises:
+        SpecError: the duration is not positive.
+    """
+
+    def __init__(self, first: Vector, last: Vector, start: int, duration: int) -> None:
+        if duration <= 0:
+            raise SpecError("not a duration", key="duration", value=duration, accepted="a positive number [ns]")
+        self._first, self._last = np.array(first), np.array(last)
+        if self._first[3:7] @ self._last[3:7] < 0.0:
+            self._last[3:7] *= -1.0
+        self._change = self._last[1:] - self._first[1:]
+        self._change[:3] = self._last[:3] - self._first[:3]
+        self._change[3:6] = log(relative(self._first[3:7], self._last[3:7]))
+        self._start, self._duration = start, duration
+
+    def at(self, stamp: int) -> Reference:
+        """Return the reference at a stamp [ns]."""
+        return in_body(stamp, *self.motion(stamp))
+
+    def motion(self, stamp: int) -> tuple[Vector, Vector, Vector]:
+        """Return q (7+n,), v and a (6+n,) at a stamp [ns], the linear parts of v and a in the inertial frame."""
+        change, seconds = self._change, 1e-9 * self._duration
+        s, ds, dds = quintic((stamp - self._start) / self._duration)
+        if s == 0.0 or s == 1.0:
+            q = np.array(self._first if s == 0.0 else self._last)
+            return q, np.zeros(change.size), np.zeros(change.size)
+        q = np.empty(change.size + 1)
+        q[:3] = self._first[:3] + s * change[:3]
+        q[3:7] = product(self._first[3:7], exp(s * change[3:6]))
+        q[7:] = self._first[7:] + s * change[6:]
+        return q, (ds / seconds) * change, (dds / (seconds * seconds)) * change

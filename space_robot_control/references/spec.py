@@ -1,0 +1,123 @@
+"""What an experiment file can ask for: one typed model per kind of reference, told apart by ``kind``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
+
+from space_robot_description.spec import Strict, Three
+
+Four = Annotated[tuple[float, ...], Field(min_length=4, max_length=4)]
+JointTargets = tuple[float, ...] | dict[str, float]
+Rows = tuple[tuple[float, ...], ...]
+
+
+class Target(Strict):
+    """A configuration to go to; what is not said stays where the motion before it ended (at first: the initial one)."""
+
+    position: Three | None = Field(default=None, description="base origin in the inertial frame [m]")
+    attitude_deg: Three | None = Field(default=None, description="roll, pitch, yaw of the base, R = Rz Ry Rx [deg]")
+    quaternion: Four | None = Field(default=None, description="the same as x, y, z, w, of any length but zero [-]")
+    joints: JointTargets | None = Field(default=None, description="a list, or a mapping by joint name [rad or m]")
+    joints_deg: JointTargets | None = Field(default=None, description="the same in degrees [deg]")
+
+    @model_validator(mode="after")
+    def _said_once(self) -> Self:
+        for first, second in (("attitude_deg", "quaternion"), ("joints", "joints_deg")):
+            if getattr(self, first) is not None and getattr(self, second) is not None:
+                raise ValueError(f"say {first} or {second}, not both")
+        return self
+
+
+class HoldSpec(Target):
+    """Stay at the initial or the given configuration."""
+
+    kind: Literal["hold"] = "hold"
+
+
+class StepSpec(Target):
+    """Stay at the initial configuration, from one time on at the given one: a jump."""
+
+    kind: Literal["step"] = "step"
+    time: NonNegativeFloat = Field(default=0.0, description="when the target becomes the reference [s]")
+
+
+class QuinticSpec(Target):
+    """From rest to rest: position on a straight line, attitude on the geodesic, joints together, quintic in time."""
+
+    kind: Literal["quintic"] = "quintic"
+    start: NonNegativeFloat = Field(default=0.0, description="when the motion starts [s]")
+    duration: PositiveFloat = Field(description="how long it takes [s]")
+
+
+class Wave(Strict):
+    """amplitude * sin(2 pi frequency t + phase), t since the start of the reference."""
+
+    amplitude: float | None = Field(default=None, description="[rad or m]")
+    amplitude_deg: float | None = Field(default=None, description="the same in degrees, for angles [deg]")
+    frequency: PositiveFloat = Field(description="[Hz]")
+    phase_deg: float = Field(default=0.0, description="[deg]")
+
+    @model_validator(mode="after")
+    def _one_amplitude(self) -> Self:
+        if (self.amplitude is None) == (self.amplitude_deg is None):
+            raise ValueError("say amplitude or amplitude_deg, one of them")
+        return self
+
+
+Waves = Wave | tuple[Wave, ...]
+WAVE = Field(default=(), description="one wave, or a list whose sum it is")
+
+
+class HarmonicSpec(Strict):
+    """Waves about a configuration, grown from rest by a C2 ramp: excitation for identification.
+
+    Base angles are roll, pitch, yaw (R = Rz Ry Rx); body rates and accelerations follow from them exactly.
+    """
+
+    kind: Literal["harmonic"] = "harmonic"
+    start: NonNegativeFloat = Field(default=0.0, description="when the waves start [s]")
+    soft_start: PositiveFloat = Field(default=10.0, description="duration of the ramp from rest to full amplitude [s]")
+    center: Target = Field(default_factory=Target, description="configuration the waves move about")
+    x: Waves = WAVE
+    y: Waves = WAVE
+    z: Waves = WAVE
+    roll: Waves = WAVE
+    pitch: Waves = WAVE
+    yaw: Waves = WAVE
+    joints: dict[str, Waves] | tuple[Waves, ...] = Field(
+        default=(), description="mapping by joint name, or a list in joint order (an empty list: that joint rests)"
+    )
+
+
+class Waypoint(Target):
+    """A configuration and when to be there."""
+
+    time: NonNegativeFloat = Field(description="[s], later than the waypoint before")
+
+
+class WaypointsSpec(Strict):
+    """Through a list of configurations; it starts at the initial one at time 0 unless the first waypoint has time 0."""
+
+    kind: Literal["waypoints"] = "waypoints"
+    points: tuple[Waypoint, ...] = Field(min_length=1)
+    interpolation: Literal["quintic", "spline"] = Field(
+        default="quintic",
+        description="quintic: stop at each; spline: position and joints pass smoothly, the attitude stops at each",
+    )
+
+
+class RecordedSpec(Strict):
+    """References written down one by one; valid at exactly these stamps, and at rest at the last one afterwards."""
+
+    kind: Literal["recorded"] = "recorded"
+    stamps: tuple[NonNegativeInt, ...] = Field(min_length=1, description="increasing [ns]")
+    q: Rows = Field(description="(7+n) each: position, quaternion, joints [m, -, rad]")
+    v: Rows = Field(description="(6+n) each, base twist in the desired body frame [m/s, rad/s]")
+    a: Rows = Field(description="(6+n) each, derivative of the components of v [m/s2, rad/s2]")
+
+
+ReferenceSpec = Annotated[
+    HoldSpec | StepSpec | QuinticSpec | HarmonicSpec | WaypointsSpec | RecordedSpec, Field(discriminator="kind")
+]
