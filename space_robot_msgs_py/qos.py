@@ -57,7 +57,8 @@ def yaml_text(data: object) -> str:
 
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = False
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.width = 1 << 20  # type: ignore[assignment]
+    yaml.sort_base_mapping_type_on_output = False
     stream = StringIO()
     yaml.dump(data, stream)
     return stream.getvalue()

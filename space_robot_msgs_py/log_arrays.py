@@ -1,0 +1,121 @@
+"""A log as arrays over time, cut out of the messages without decoding them one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from space_robot_msgs_py.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec
+from space_robot_msgs_py.errors import LayoutError, LogError, NonFiniteError
+from space_robot_msgs_py.interfaces import NANOSECONDS, Vector
+from space_robot_msgs_py.layout import Layout
+from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, Topic
+
+Row = tuple[int, dict[str, bytes]]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LogArrays:
+    """K complete ticks of a robot with n joints; names as in the value types.
+
+    Attributes:
+        stamp: (K,) [ns].
+        time: (K,) [s].
+        q: (K, 7+n) measured configuration.
+        v: (K, 6+n) measured velocity.
+        effort: (K, n) measured motor effort.
+        base_acceleration: (K, 3) measured.
+        q_d: (K, 7+n) desired configuration.
+        v_d: (K, 6+n) desired velocity.
+        a_d: (K, 6+n) desired acceleration.
+        wrench: (K, 6) commanded force and torque on the base.
+        effort_command: (K, n) commanded joint effort.
+        controller: (K, size) telemetry of the controller by label.
+        plant: (K, size) telemetry of the plant by label.
+    """
+
+    stamp: npt.NDArray[np.int64]
+    time: Vector
+    q: Vector
+    v: Vector
+    effort: Vector
+    base_acceleration: Vector
+    q_d: Vector
+    v_d: Vector
+    a_d: Vector
+    wrench: Vector
+    effort_command: Vector
+    controller: dict[str, Vector]
+    plant: dict[str, Vector]
+
+
+def stack_ticks(rows: Sequence[Row], joint_names: Sequence[str], key: str) -> LogArrays:
+    """Stack the ticks of a log.
+
+    Args:
+        rows: stamp [ns] and messages by topic name of each tick.
+        joint_names: the robot's joints in model order.
+        key: the file, for error messages.
+
+    Raises:
+        LogError: a message does not fit, or the shape of telemetry changes.
+        NonFiniteError: a number is NaN or infinite.
+    """
+    stamp = np.array([at for at, _ in rows], dtype=np.int64)
+    try:
+        state = [_stack(rows, *one) for one in _parts(StateCodec(joint_names))]
+        reference = [_stack(rows, *one) for one in _parts(ReferenceCodec(joint_names))]
+        command = [_stack(rows, *one) for one in _parts(CommandCodec(joint_names))]
+        controller = _stack_telemetry(rows, CONTROLLER_TELEMETRY)
+        plant = _stack_telemetry(rows, PLANT_TELEMETRY)
+    except ValueError as error:
+        if isinstance(error, NonFiniteError):
+            raise
+        raise LogError(f"the messages of a topic differ: {error}", key=key) from None
+    (pose, twist), (position, velocity, effort), (_, _, acceleration) = state
+    (pose_d, twist_d), (accel_d,), (position_d, velocity_d, acceleration_d) = reference
+    return LogArrays(
+        stamp=stamp,
+        time=stamp / NANOSECONDS,
+        q=np.hstack([pose, position]),
+        v=np.hstack([twist, velocity]),
+        effort=effort,
+        base_acceleration=acceleration,
+        q_d=np.hstack([pose_d, position_d]),
+        v_d=np.hstack([twist_d, velocity_d]),
+        a_d=np.hstack([accel_d, acceleration_d]),
+        wrench=command[0][0],
+        effort_command=command[1][0],
+        controller=controller,
+        plant=plant,
+    )
+
+
+def _parts(codec: StateCodec | ReferenceCodec | CommandCodec) -> list[tuple[Topic, Layout]]:
+    return list(zip(codec.topics, codec.layouts, strict=True))
+
+
+def _stack(rows: Sequence[Row], topic: Topic, layout: Layout) -> list[Vector]:
+    """The arrays of a topic over time, without the stamp."""
+    arrays = layout.stack([parts[topic.name] for _, parts in rows])[1:]
+    for array in arrays:
+        if not np.isfinite(array).all():
+            raise NonFiniteError("not a finite number in the log", key=topic.name)
+    return arrays
+
+
+def _stack_telemetry(rows: Sequence[Row], topic: Topic) -> dict[str, Vector]:
+    """The blocks of telemetry over time by label; nothing where the run has none."""
+    present = [parts[topic.name] for _, parts in rows if topic.name in parts]
+    if not present:
+        return {}
+    if len(present) != len(rows):
+        raise LayoutError("telemetry at some ticks only", key=topic.name, value=f"{len(present)} of {len(rows)}")
+    codec = TelemetryCodec(topic)
+    labels, sizes = codec.shape(present[0])
+    (data,) = _stack(rows, topic, codec.layout_of(present[0]))
+    edges = np.cumsum((0, *sizes))
+    return {label: data[:, a:b] for label, a, b in zip(labels, edges[:-1], edges[1:], strict=True)}

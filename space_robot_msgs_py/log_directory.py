@@ -1,0 +1,102 @@
+"""The run directory as rosbag2 wants it, and what may be replaced in it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.log_preamble import RECORDED, log_name, signature
+from space_robot_msgs_py.qos import qos_of, yaml_text
+from space_robot_msgs_py.schemas import type_hash
+
+METADATA_FILE = "metadata.yaml"
+BAG_SUFFIX = "_0.mcap"
+TEMPORARY = ".tmp"
+
+
+def prepare_directory(directory: Path) -> Path:
+    """Make a run directory, remove a previous run of ours from it, and return the path of the new bag file.
+
+    Raises:
+        LogError: something else is in it, or it cannot be made.
+    """
+    try:
+        place = directory.resolve()
+        if place.exists():
+            _remove_previous(place)
+        place.mkdir(parents=True, exist_ok=True)
+    except LogError:
+        raise
+    except OSError as error:
+        raise LogError(f"no run directory can be made here: {error.strerror or error}", key=str(directory)) from None
+    if not place.name:
+        raise LogError("a run directory needs a name", key=str(directory))
+    return place / f"{place.name}{BAG_SUFFIX}"
+
+
+def write_metadata_yaml(path: Path, counts: Mapping[str, int], *, last_stamp: int, custom: Mapping[str, str]) -> None:
+    """Write ``metadata.yaml`` beside a bag file, version 9 as rosbag2 of Jazzy does.
+
+    Args:
+        path: the bag file.
+        counts: messages by topic name.
+        last_stamp: of the bag [ns]; it begins at 0.
+        custom: remarks.
+    """
+    start, duration = {"nanoseconds_since_epoch": 0}, {"nanoseconds": last_stamp}
+    total = sum(counts.values())
+    topics = [
+        {
+            "topic_metadata": {
+                "name": log_name(topic),
+                "type": topic.type,
+                "serialization_format": "cdr",
+                "offered_qos_profiles": [qos_of(topic).as_rosbag2()],
+                "type_description_hash": type_hash(topic.type),
+            },
+            "message_count": counts[topic.name],
+        }
+        for topic in RECORDED
+    ]
+    information = {
+        "version": 9,
+        "storage_identifier": "mcap",
+        "duration": dict(duration),
+        "starting_time": dict(start),
+        "message_count": total,
+        "topics_with_message_count": topics,
+        "compression_format": "",
+        "compression_mode": "",
+        "relative_file_paths": [path.name],
+        "files": [{"path": path.name, "starting_time": start, "duration": duration, "message_count": total}],
+        "custom_data": dict(custom) or None,
+        "ros_distro": "jazzy",
+    }
+    target = path.with_name(METADATA_FILE)
+    temporary = target.with_name(METADATA_FILE + TEMPORARY)
+    with temporary.open("w", encoding="utf-8") as stream:
+        stream.write(yaml_text({"rosbag2_bagfile_information": information}))
+        stream.flush()
+        os.fsync(stream.fileno())
+    temporary.replace(target)
+
+
+def _remove_previous(place: Path) -> None:
+    if not place.is_dir():
+        raise LogError("this is a file", key=str(place), accepted="a directory, new, empty or of an earlier run")
+    bags = sorted(place.glob(f"*{BAG_SUFFIX}"))
+    if any(place.iterdir()) and not (bags and all(map(_is_ours, bags))):
+        raise LogError("not empty and not a run of ours", key=str(place), accepted="a new or empty directory")
+    temporaries = [bag.with_name(bag.name + TEMPORARY) for bag in bags]
+    # The description goes first: a kill in between must not leave one that describes another bag.
+    for path in (place / METADATA_FILE, *temporaries, *bags):
+        path.unlink(missing_ok=True)
+
+
+def _is_ours(path: Path) -> bool:
+    """Began by this project; also an empty file, which is what a kill right after opening leaves."""
+    expected = signature()
+    with path.open("rb") as stream:
+        return expected.startswith(stream.read(len(expected)))

@@ -1,0 +1,61 @@
+"""The head of a log: provenance, schemas and channels, the same bytes for the same run."""
+
+from __future__ import annotations
+
+from mcap.records import Attachment, Channel, Header, Schema
+
+from space_robot_msgs_py.log_header import EXPERIMENT_ATTACHMENT, METADATA_NAME, URDF_ATTACHMENT, LogHeader
+from space_robot_msgs_py.mcap_records import MAGIC, metadata_bytes, record_bytes
+from space_robot_msgs_py.qos import qos_of, yaml_text
+from space_robot_msgs_py.schemas import schema_text, type_hash
+from space_robot_msgs_py.topics import TABLE, Topic
+
+LIBRARY = "space_robot"
+END_NAME = "end"
+RECORDED: tuple[Topic, ...] = tuple(topic for topic in TABLE if topic.recorded)
+# The list of channels is static: a run without a topic has its channel, empty.
+CHANNELS: dict[str, int] = {topic.name: number for number, topic in enumerate(RECORDED, start=1)}
+
+
+def log_name(topic: Topic) -> str:
+    """The name of a topic in a bag: absolute, as rosbag2 records and plays it."""
+    return topic.name if topic.name.startswith("/") else f"/{topic.name}"
+
+
+def signature() -> bytes:
+    """How a file of this project begins."""
+    return MAGIC + record_bytes(Header("ros2", LIBRARY))
+
+
+def preamble(header: LogHeader) -> bytes:
+    """Everything in front of the first message."""
+    parts = [
+        signature(),
+        metadata_bytes(METADATA_NAME, header.metadata()),
+        _attachment(EXPERIMENT_ATTACHMENT, "application/yaml", header.experiment),
+        _attachment(URDF_ATTACHMENT, "application/xml", header.urdf),
+    ]
+    types = list(dict.fromkeys(topic.type for topic in RECORDED))
+    for number, ros_type in enumerate(types, start=1):
+        text = schema_text(ros_type).encode()
+        parts.append(record_bytes(Schema(id=number, data=text, encoding="ros2msg", name=ros_type)))
+    parts += [record_bytes(_channel(topic, types.index(topic.type) + 1)) for topic in RECORDED]
+    return b"".join(parts)
+
+
+def _channel(topic: Topic, schema: int) -> Channel:
+    metadata = {
+        "offered_qos_profiles": yaml_text([qos_of(topic).as_rosbag2()]).strip(),
+        "topic_type_hash": type_hash(topic.type),
+    }
+    return Channel(
+        id=CHANNELS[topic.name],
+        topic=log_name(topic),
+        message_encoding="cdr",
+        metadata=metadata,
+        schema_id=schema,
+    )
+
+
+def _attachment(name: str, media_type: str, text: str) -> bytes:
+    return record_bytes(Attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=text.encode()))

@@ -1,0 +1,173 @@
+"""Reads a log: closed, killed or cut anywhere, up to its last complete record."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Chunk, Metadata
+
+from space_robot_msgs_py.codecs import TickCodec, decode_string
+from space_robot_msgs_py.errors import InputFileError, LogError
+from space_robot_msgs_py.interfaces import Tick
+from space_robot_msgs_py.log_arrays import LogArrays, stack_ticks
+from space_robot_msgs_py.log_directory import BAG_SUFFIX
+from space_robot_msgs_py.log_header import METADATA_NAME, LogHeader
+from space_robot_msgs_py.log_preamble import END_NAME, RECORDED, log_name
+from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, parse, scan, unpack_chunk, walk
+from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
+
+_NAMES = {log_name(topic): topic.name for topic in RECORDED}
+_ESSENTIAL = frozenset(topic.name for kind in ("state", "reference", "command") for topic in topics_of(kind))
+_TELEMETRY = frozenset((CONTROLLER_TELEMETRY.name, PLANT_TELEMETRY.name))
+
+Row = tuple[int, dict[str, bytes]]
+
+
+class LogReader:
+    """A log on disk; every call reads it anew, so a log that is still written can be followed.
+
+    Args:
+        path: run directory or .mcap file.
+
+    Attributes:
+        path: the .mcap file.
+        header: provenance.
+
+    Raises:
+        InputFileError: there is no such file, or it is not MCAP.
+        LogError: it is not a log of this project, or was cut within its header.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = _bag_file(Path(path))
+        self._key = str(self.path)
+        self.header = self._read_header()
+
+    @property
+    def end_reason(self) -> str | None:
+        """Why the run ended; None if the log was cut before its end."""
+        for opcode, content in self._records():
+            if opcode == Opcode.METADATA:
+                metadata = parse(Metadata.read, content, self._key)
+                if metadata.name == END_NAME:
+                    return str(metadata.metadata.get("reason", ""))
+        return None
+
+    @property
+    def robot_description(self) -> str:
+        """The URDF as it was on ``robot_description``; that of the header if the log was cut before it."""
+        for name, _, data in self.messages():
+            return decode_string(data) if name == ROBOT_DESCRIPTION.name else self.header.urdf
+        return self.header.urdf
+
+    def messages(self) -> Iterator[tuple[str, int, bytes]]:
+        """Topic name as in the table, stamp [ns] and bytes of every message, in order.
+
+        Raises:
+            LogError: a message is missing between two others, or a record is damaged.
+        """
+        names: dict[int, str] = {}
+        expected: dict[int, int] = {}
+        for opcode, content in self._flat_records():
+            if opcode == Opcode.MESSAGE:
+                channel, sequence, stamp, _ = MESSAGE.unpack_from(content)
+                if channel not in names or sequence != expected[channel]:
+                    raise LogError("a message is missing", key=self._key, value=f"{names.get(channel)} at {stamp} ns")
+                expected[channel] += 1
+                yield names[channel], stamp, content[MESSAGE.size :]
+            elif opcode == Opcode.CHANNEL:
+                record = parse(Channel.read, content, self._key)
+                names.setdefault(record.id, _NAMES.get(record.topic, record.topic))
+                expected.setdefault(record.id, 0)
+
+    def rows(self) -> Iterator[Row]:
+        """Stamp [ns] and messages by topic name of every complete tick, in order.
+
+        A tick is complete with state, reference and command, and with telemetry if the run has any.
+        """
+        needed: frozenset[str] | None = None
+        for (stamp, parts), finished in self._groups():
+            if needed is None:
+                # The first finished tick tells what telemetry this run has; a cut one must have everything.
+                needed = _ESSENTIAL | (_TELEMETRY & parts.keys() if finished else _TELEMETRY)
+            if parts.keys() >= needed:
+                yield stamp, parts
+
+    def ticks(self) -> Iterator[Tick]:
+        """Every complete tick, in order; equal to what was written, bit for bit."""
+        codec = TickCodec(self.header.joint_names)
+        for _, parts in self.rows():
+            yield codec.decode(parts)
+
+    def arrays(self) -> LogArrays:
+        """All complete ticks, stacked.
+
+        Raises:
+            LogError: the shape of telemetry changes in the course of the log.
+        """
+        return stack_ticks(list(self.rows()), self.header.joint_names, self._key)
+
+    def _groups(self) -> Iterator[tuple[Row, bool]]:
+        """Messages of equal stamp, and whether anything follows that proves there are no more of them."""
+        stamp, parts = -1, dict[str, bytes]()
+        for name, at, data in self.messages():
+            if name == ROBOT_DESCRIPTION.name:
+                continue
+            if at != stamp and parts:
+                yield (stamp, parts), True
+                parts = {}
+            stamp = at
+            parts[name] = data
+        if parts:
+            yield (stamp, parts), self.end_reason is not None
+
+    def _read_header(self) -> LogHeader:
+        metadata: dict[str, str] | None = None
+        attachments: dict[str, bytes] = {}
+        for opcode, content in self._records():
+            if opcode == Opcode.METADATA and metadata is None:
+                record = parse(Metadata.read, content, self._key)
+                metadata = record.metadata if record.name == METADATA_NAME else None
+            elif opcode == Opcode.ATTACHMENT:
+                attachment = parse(Attachment.read, content, self._key)
+                attachments[attachment.name] = attachment.data
+            elif opcode in (Opcode.MESSAGE, Opcode.CHUNK, Opcode.SCHEMA):
+                break
+        if metadata is None:
+            raise LogError("an MCAP file, but not a log of ours, or cut within its first record", key=self._key)
+        return LogHeader.of(metadata, attachments, self._key)
+
+    def _records(self) -> Iterator[tuple[int, bytes]]:
+        try:
+            with self.path.open("rb") as stream:
+                if stream.read(len(MAGIC)) != MAGIC:
+                    raise InputFileError("not an MCAP file", key=self._key)
+                yield from scan(stream, os.fstat(stream.fileno()).st_size)
+        except (InputFileError, LogError):
+            raise
+        except OSError as error:
+            raise InputFileError(f"cannot be read: {error.strerror or error}", key=self._key) from None
+
+    def _flat_records(self) -> Iterator[tuple[int, bytes]]:
+        for opcode, content in self._records():
+            if opcode == Opcode.DATA_END:
+                return
+            if opcode == Opcode.CHUNK:
+                yield from walk(unpack_chunk(parse(Chunk.read, content, self._key), self._key))
+            else:
+                yield opcode, content
+
+
+def _bag_file(path: Path) -> Path:
+    if path.is_dir():
+        bags = sorted(path.glob(f"*{BAG_SUFFIX}"))
+        if len(bags) != 1:
+            found = f"{len(bags)} files *{BAG_SUFFIX}"
+            raise InputFileError("not a run directory", key=str(path), value=found, accepted="one of them")
+        return bags[0]
+    if not path.exists():
+        raise InputFileError("no such file", key=str(path), accepted="a run directory or an .mcap file")
+    return path

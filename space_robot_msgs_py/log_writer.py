@@ -1,0 +1,176 @@
+"""Writes a run as a rosbag2 bag that survives a kill at any time; equal ticks give equal files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+from space_robot_msgs_py.codecs import LOGGED, TickCodec, encode_string
+from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.interfaces import Tick
+from space_robot_msgs_py.log_directory import TEMPORARY, prepare_directory, write_metadata_yaml
+from space_robot_msgs_py.log_header import LogHeader
+from space_robot_msgs_py.log_preamble import CHANNELS, END_NAME, preamble
+from space_robot_msgs_py.mcap_index import write_indexed
+from space_robot_msgs_py.mcap_records import message_bytes, metadata_bytes
+from space_robot_msgs_py.topics import ROBOT_DESCRIPTION, Topic
+
+_RANK = {topic.name: rank for rank, topic in enumerate(LOGGED)}
+_IDS = tuple(CHANNELS[topic.name] for topic in LOGGED)
+
+
+class LogWriter:
+    """Appends whole ticks to ``<directory>/<name>_0.mcap`` and indexes the file when it is closed.
+
+    While the run goes on the file is a plain sequence of records, flushed after every tick: a SIGKILL loses at most
+    the tick being written. All times are stamps; no wall clock and no name of a machine gets into the file.
+
+    Args:
+        directory: run directory; it is made, a previous run in it is replaced, anything else in it is refused.
+        header: provenance, written first.
+        custom: remarks for ``metadata.yaml`` such as the mode; they are not in the .mcap.
+
+    Raises:
+        LogError: the directory holds something else, or cannot be written.
+    """
+
+    def __init__(self, directory: Path, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
+        self.path = prepare_directory(directory)
+        self._custom = dict(custom or {})
+        self._counts = dict.fromkeys(CHANNELS, 0)
+        self._last = -1
+        self._ticks = 0
+        self._stream: IO[bytes] | None = None
+        with self._guarded():
+            self._stream = self.path.open("wb")
+        self._append(preamble(header))
+
+    def write_description(self, urdf: str) -> None:
+        """Write ``robot_description`` at stamp 0, before the first tick."""
+        if self._ticks or self._counts[ROBOT_DESCRIPTION.name]:
+            raise LogError("the description is the first message and the only one of its kind", key=str(self.path))
+        channel = CHANNELS[ROBOT_DESCRIPTION.name]
+        self._append(message_bytes(channel, 0, 0, encode_string(urdf)))
+        self._counts[ROBOT_DESCRIPTION.name] = 1
+
+    def write_tick(self, stamp: int, parts: Mapping[Topic, bytes]) -> None:
+        """Write the messages of one stamp in table order; topics may be absent.
+
+        Args:
+            stamp: [ns], later than the one before.
+            parts: canonical bytes by topic.
+
+        Raises:
+            LogError: a topic is not recorded by tick, time does not go on, or the disk refuses.
+        """
+        row: list[bytes | None] = [None] * len(LOGGED)
+        for topic, data in parts.items():
+            if topic.name not in _RANK:
+                accepted = ", ".join(_RANK)
+                raise LogError("not a topic of a tick", key=str(self.path), value=topic.name, accepted=accepted)
+            row[_RANK[topic.name]] = data
+        self.write_row(stamp, row)
+
+    def write_row(self, stamp: int, row: Sequence[bytes | None]) -> None:
+        """Write the messages of one stamp, given in the order of ``LOGGED``; None where there is none."""
+        if stamp <= self._last:
+            raise LogError(
+                "time does not go on", key=str(self.path), value=stamp, accepted=f"more than {self._last} ns"
+            )
+        records = []
+        for topic, channel, data in zip(LOGGED, _IDS, row, strict=True):
+            if data is not None:
+                records.append(message_bytes(channel, self._counts[topic.name], stamp, data))
+                self._counts[topic.name] += 1
+        self._append(b"".join(records))
+        self._last = stamp
+        self._ticks += 1
+
+    def close(self, reason: str) -> None:
+        """Write the reason of the end, index the file and write ``metadata.yaml``; later calls do nothing.
+
+        A kill at any time in here leaves a readable file: the indexed one replaces the plain one at once.
+
+        Raises:
+            LogError: the disk refuses; the plain file stays.
+        """
+        if self._stream is None:
+            return
+        self._append(metadata_bytes(END_NAME, {"reason": reason, "ticks": str(self._ticks)}))
+        temporary = self.path.with_name(self.path.name + TEMPORARY)
+        with self._guarded(leftover=temporary):
+            self._stream.close()
+            self._stream = None
+            write_indexed(self.path, temporary)
+            temporary.replace(self.path)
+            custom = self._custom | {"end_reason": reason}
+            write_metadata_yaml(self.path, self._counts, last_stamp=max(self._last, 0), custom=custom)
+
+    def _append(self, data: bytes) -> None:
+        if self._stream is None:
+            raise LogError("the log is closed", key=str(self.path))
+        with self._guarded():
+            self._stream.write(data)
+            self._stream.flush()
+
+    @contextmanager
+    def _guarded(self, leftover: Path | None = None) -> Iterator[None]:
+        """Whatever the disk refuses becomes one LogError; the log is then closed for good."""
+        try:
+            yield
+        except OSError as error:
+            stream, self._stream = self._stream, None
+            if stream is not None:
+                with suppress(OSError):
+                    stream.close()
+            if leftover is not None:
+                with suppress(OSError):
+                    leftover.unlink()
+            raise LogError(f"the log cannot be written: {error.strerror or error}", key=str(self.path)) from None
+
+
+class LogSink:
+    """A Sink that writes values to a log.
+
+    Args:
+        directory: run directory, see LogWriter.
+        header: provenance; its URDF is also the first message.
+        custom: remarks for ``metadata.yaml``.
+    """
+
+    def __init__(self, directory: Path, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
+        self._codec = TickCodec(header.joint_names)
+        self.writer = LogWriter(directory, header, custom=custom)
+        self.writer.write_description(header.urdf)
+
+    def record(self, tick: Tick) -> None:
+        """Write one tick; it is in the file when this returns."""
+        self.writer.write_row(tick.stamp, self._codec.encode(tick))
+
+    def close(self, reason: str) -> None:
+        """Close the log; later calls do nothing."""
+        self.writer.close(reason)
+
+
+class MemorySink:
+    """A Sink that keeps the ticks.
+
+    Attributes:
+        ticks: all ticks so far.
+        end_reason: None until closed.
+    """
+
+    def __init__(self) -> None:
+        self.ticks: list[Tick] = []
+        self.end_reason: str | None = None
+
+    def record(self, tick: Tick) -> None:
+        """Keep one tick."""
+        self.ticks.append(tick)
+
+    def close(self, reason: str) -> None:
+        """Keep the reason; the first one counts."""
+        if self.end_reason is None:
+            self.end_reason = reason

@@ -1,0 +1,185 @@
+"""Turns a plain sequence of records into an indexed, compressed MCAP file that every reader can seek in."""
+
+from __future__ import annotations
+
+import os
+import zlib
+from collections import Counter
+from pathlib import Path
+from typing import IO
+
+import zstandard
+from mcap.opcode import Opcode
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    McapRecord,
+    MessageIndex,
+    Metadata,
+    MetadataIndex,
+    Statistics,
+    SummaryOffset,
+)
+
+from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, parse, record_bytes, scan
+
+CHUNK_SIZE = 1 << 20
+
+
+def write_indexed(source: Path, target: Path) -> None:
+    """Copy a file with its messages in zstd chunks and an index behind them; what is in it stays the same.
+
+    Args:
+        source: an MCAP file without chunks, footer or not; what stands behind its last complete record is left out.
+        target: is written, and on the disk when this returns.
+    """
+    with source.open("rb") as incoming, target.open("wb") as outgoing:
+        incoming.seek(len(MAGIC))
+        writer = _IndexedWriter(outgoing, str(source))
+        for opcode, content in scan(incoming, os.fstat(incoming.fileno()).st_size):
+            if opcode in (Opcode.DATA_END, Opcode.FOOTER):
+                break
+            writer.add(opcode, content)
+        writer.finish()
+        outgoing.flush()
+        os.fsync(outgoing.fileno())
+
+
+class _IndexedWriter:
+    def __init__(self, stream: IO[bytes], key: str) -> None:
+        self._stream, self._key = stream, key
+        self._position = 0
+        self._chunk = bytearray()
+        self._entries: dict[int, list[tuple[int, int]]] = {}
+        self._first = self._last = -1
+        self._span: tuple[int, int] | None = None
+        self._counts: Counter[int] = Counter()
+        # By opcode, in the order of the summary section.
+        self._summary: dict[int, list[bytes]] = {
+            opcode: []
+            for opcode in (
+                Opcode.SCHEMA,
+                Opcode.CHANNEL,
+                Opcode.STATISTICS,
+                Opcode.CHUNK_INDEX,
+                Opcode.ATTACHMENT_INDEX,
+                Opcode.METADATA_INDEX,
+            )
+        }
+        self._write(MAGIC)
+
+    def add(self, opcode: int, content: bytes) -> None:
+        """Take the next record of the data section."""
+        record = PREFIX.pack(opcode, len(content)) + content
+        if opcode == Opcode.MESSAGE:
+            self._add_message(record, content)
+            return
+        self._close_chunk()
+        if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            self._summary[opcode].append(record)
+        elif opcode == Opcode.ATTACHMENT:
+            self._index_attachment(content, len(record))
+        elif opcode == Opcode.METADATA:
+            metadata = parse(Metadata.read, content, self._key)
+            index = MetadataIndex(offset=self._position, length=len(record), name=metadata.name)
+            self._summary[Opcode.METADATA_INDEX].append(record_bytes(index))
+        self._write(record)
+
+    def finish(self) -> None:
+        """Write what comes behind the data."""
+        self._close_chunk()
+        self._write_record(DataEnd(data_section_crc=0))
+        self._summary[Opcode.STATISTICS].append(record_bytes(self._statistics()))
+        start = self._position
+        parts: list[bytes] = []
+        offsets: list[bytes] = []
+        position = start
+        for opcode, records in self._summary.items():
+            length = sum(map(len, records))
+            if records:
+                offsets.append(record_bytes(SummaryOffset(opcode, position, length)))
+            parts += records
+            position += length
+        self._write(b"".join([*parts, *offsets]))
+        footer = record_bytes(Footer(summary_start=start, summary_offset_start=position, summary_crc=0))
+        # The checksum covers the footer too, up to the checksum itself.
+        crc = zlib.crc32(b"".join([*parts, *offsets, footer[:-4]]))
+        self._write_record(Footer(summary_start=start, summary_offset_start=position, summary_crc=crc))
+        self._write(MAGIC)
+
+    def _add_message(self, record: bytes, content: bytes) -> None:
+        channel, _, stamp, _ = MESSAGE.unpack_from(content)
+        if len(self._chunk) > CHUNK_SIZE and stamp != self._last:
+            # Only between stamps: what belongs together is read together.
+            self._close_chunk()
+        if not self._chunk:
+            self._first = stamp
+        self._last = stamp
+        self._entries.setdefault(channel, []).append((stamp, len(self._chunk)))
+        self._counts[channel] += 1
+        self._chunk += record
+
+    def _close_chunk(self) -> None:
+        if not self._chunk:
+            return
+        data = bytes(self._chunk)
+        packed = zstandard.ZstdCompressor(level=3).compress(data)
+        start = self._position
+        self._write_record(Chunk("zstd", packed, self._last, self._first, zlib.crc32(data), len(data)))
+        end, offsets = self._position, {}
+        for channel, entries in self._entries.items():
+            offsets[channel] = self._position
+            self._write_record(MessageIndex(channel, entries))
+        index = ChunkIndex(
+            chunk_length=end - start,
+            chunk_start_offset=start,
+            compression="zstd",
+            compressed_size=len(packed),
+            message_end_time=self._last,
+            message_index_length=self._position - end,
+            message_index_offsets=offsets,
+            message_start_time=self._first,
+            uncompressed_size=len(data),
+        )
+        self._summary[Opcode.CHUNK_INDEX].append(record_bytes(index))
+        self._span = (self._first if self._span is None else self._span[0], self._last)
+        self._chunk.clear()
+        self._entries = {}
+
+    def _index_attachment(self, content: bytes, length: int) -> None:
+        attachment = parse(Attachment.read, content, self._key)
+        index = AttachmentIndex(
+            offset=self._position,
+            length=length,
+            log_time=attachment.log_time,
+            create_time=attachment.create_time,
+            data_size=len(attachment.data),
+            name=attachment.name,
+            media_type=attachment.media_type,
+        )
+        self._summary[Opcode.ATTACHMENT_INDEX].append(record_bytes(index))
+
+    def _statistics(self) -> Statistics:
+        first, last = self._span or (0, 0)
+        return Statistics(
+            attachment_count=len(self._summary[Opcode.ATTACHMENT_INDEX]),
+            channel_count=len(self._summary[Opcode.CHANNEL]),
+            channel_message_counts=dict(sorted(self._counts.items())),
+            chunk_count=len(self._summary[Opcode.CHUNK_INDEX]),
+            message_count=sum(self._counts.values()),
+            message_end_time=last,
+            message_start_time=first,
+            metadata_count=len(self._summary[Opcode.METADATA_INDEX]),
+            schema_count=len(self._summary[Opcode.SCHEMA]),
+        )
+
+    def _write_record(self, record: McapRecord) -> None:
+        self._write(record_bytes(record))
+
+    def _write(self, data: bytes) -> None:
+        self._stream.write(data)
+        self._position += len(data)

@@ -1,0 +1,112 @@
+"""Records of MCAP files (https://mcap.dev/spec): written one by one, and read as far as a file is whole."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable, Iterator
+from io import BytesIO
+from typing import IO, TypeVar
+
+import zstandard
+from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import Chunk, McapRecord, Metadata
+
+from space_robot_msgs_py.errors import LogError
+
+MAGIC = b"\x89MCAP0\r\n"
+PREFIX = struct.Struct("<BQ")
+MESSAGE = struct.Struct("<HIQQ")
+_MESSAGE_RECORD = struct.Struct("<BQHIQQ")
+
+
+R = TypeVar("R")
+
+
+def record_bytes(record: McapRecord) -> bytes:
+    """A record as it stands in a file."""
+    builder = RecordBuilder()
+    record.write(builder)
+    data: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return data
+
+
+def message_bytes(channel: int, sequence: int, stamp: int, data: bytes) -> bytes:
+    """A message record, both of whose times are the stamp [ns]; mcap's own class takes twenty times as long."""
+    size = MESSAGE.size + len(data)
+    return _MESSAGE_RECORD.pack(Opcode.MESSAGE, size, channel, sequence, stamp, stamp) + data
+
+
+def scan(stream: IO[bytes], size: int) -> Iterator[tuple[int, bytes]]:
+    """Opcode and content of every complete record behind the magic; a file that was cut just ends earlier.
+
+    Args:
+        stream: the file, behind its magic.
+        size: of the file [bytes]; no record can be longer, whatever a damaged length says.
+    """
+    position = len(MAGIC)
+    while position + PREFIX.size <= size:
+        prefix = stream.read(PREFIX.size)
+        if len(prefix) < PREFIX.size:
+            return
+        opcode, length = PREFIX.unpack(prefix)
+        position += PREFIX.size + length
+        if position > size:
+            return
+        content = stream.read(length)
+        if len(content) < length:
+            return
+        yield opcode, content
+        if opcode == Opcode.FOOTER:
+            return
+
+
+def parse(read: Callable[[ReadDataStream], R], content: bytes, key: str) -> R:
+    """A record from its content.
+
+    Args:
+        read: the ``read`` of its class in ``mcap.records``.
+        content: what ``scan`` gave.
+        key: the file, for error messages.
+
+    Raises:
+        LogError: the content is damaged.
+    """
+    try:
+        return read(ReadDataStream(BytesIO(content)))
+    except Exception as error:
+        # mcap has no common base for what damaged bytes make it raise.
+        raise LogError(f"a record is damaged ({type(error).__name__})", key=key) from None
+
+
+def unpack_chunk(chunk: Chunk, key: str) -> bytes:
+    """The records in a chunk.
+
+    Raises:
+        LogError: the compression is unknown or the checksum does not agree.
+    """
+    if chunk.compression not in ("", "zstd"):
+        raise LogError("unknown compression", key=key, value=chunk.compression, accepted="zstd or none")
+    try:
+        data = zstandard.decompress(chunk.data, chunk.uncompressed_size) if chunk.compression else chunk.data
+    except (zstandard.ZstdError, MemoryError) as error:
+        raise LogError(f"a chunk is damaged ({error})", key=key) from None
+    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
+        raise LogError("a chunk is damaged (checksum)", key=key)
+    return data
+
+
+def walk(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Opcode and content of the records in a chunk."""
+    position = 0
+    while position + PREFIX.size <= len(data):
+        opcode, length = PREFIX.unpack_from(data, position)
+        start = position + PREFIX.size
+        position = start + length
+        yield opcode, data[start:position]
+
+
+def metadata_bytes(name: str, entries: dict[str, str]) -> bytes:
+    """A metadata record."""
+    return record_bytes(Metadata(name=name, metadata=entries))
