@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from space_robot_description.spec import Actuators
@@ -26,6 +27,8 @@ class Robot:
         joint_upper: (n,) [rad or m]; may be +inf.
         joint_rate_limit: (n,) [rad/s or m/s]; may be +inf.
         home: (n,) joint positions to start from when nothing else is said [rad or m].
+        tool_frame: the link at the end of the arm, in ``model.frames``.
+        resolved: the robot file with the URDF inside; ``load_robot`` makes the same robot from it, bit for bit.
     """
 
     name: str
@@ -40,6 +43,8 @@ class Robot:
     joint_upper: Vector
     joint_rate_limit: Vector
     home: Vector
+    tool_frame: str = ""
+    resolved: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def n(self) -> int:

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat
+
+from space_robot_description.validation import nearest
+from space_robot_msgs_py.errors import NonFiniteError, SpecError
+from space_robot_msgs_py.interfaces import Vector
 
 Three = Annotated[tuple[float, ...], Field(min_length=3, max_length=3)]
 PerJoint = float | tuple[float, ...] | dict[str, float]
@@ -17,9 +23,11 @@ class Strict(BaseModel):
 
 
 class JointMotors(Strict):
-    """Joint motors. ``PerJoint`` values are one number for all joints, a list in joint order, or a mapping by joint name."""
+    """Joint motors. ``PerJoint``: one number for all joints, a list in joint order, or a mapping by joint name."""
 
-    effort: PerJoint = Field(description="effort limit [N m or N]")
+    effort: PerJoint = Field(
+        default_factory=dict, description="effort limit [N m or N]; joints not named keep the URDF's limit"
+    )
     lag: PerJoint = Field(default=0.0, description="first-order lag of the effort [s]; 0: immediate")
     viscous: PerJoint = Field(default=0.0, description="viscous friction [N m s/rad]")
     coulomb: PerJoint = Field(default=0.0, description="Coulomb friction [N m]")
@@ -67,3 +75,61 @@ class Actuators(Strict):
     joints: JointMotors
     base_torque: Annotated[IdealTorque | ReactionWheels | Thrusters, Field(discriminator="kind")]
     base_force: Thrusters | None = Field(default=None, description="required for free_flying, absent for free_floating")
+
+
+def expand(
+    values: PerJoint | Sequence[float], joint_names: Sequence[str], key: str, default: Sequence[float] | None = None
+) -> Vector:
+    """One number per joint from a scalar, a list in joint order, or a mapping by joint name.
+
+    Args:
+        values: what the file says.
+        joint_names: the n joints in model order.
+        key: dotted key for errors.
+        default: (n,) values of the joints a mapping does not name; without it a mapping must name all.
+
+    Returns:
+        (n,) read-only array.
+
+    Raises:
+        SpecError: wrong count, unknown joint (with the nearest names) or missing joint.
+        NonFiniteError: a NaN or infinity.
+    """
+    n = len(joint_names)
+    if isinstance(values, dict):
+        given = _by_name(values, joint_names, key, default)
+    elif isinstance(values, int | float):
+        given = [float(values)] * n
+    else:
+        given = [float(value) for value in values]
+    if len(given) != n:
+        raise SpecError(
+            "wrong number of values", key=key, value=len(given), accepted=f"{n}, for {', '.join(joint_names)}"
+        )
+    out = np.array(given, dtype=np.float64)
+    if not np.isfinite(out).all():
+        raise NonFiniteError("not a finite number", key=key, value=out.tolist(), accepted="finite numbers")
+    out.flags.writeable = False
+    return out
+
+
+def check_joint_names(names: Sequence[str], joint_names: Sequence[str], key: str) -> None:
+    """Refuse a name that is no joint.
+
+    Raises:
+        SpecError: with the nearest names.
+    """
+    for name in names:
+        if name not in joint_names:
+            accepted = nearest(name, joint_names) or ", ".join(joint_names)
+            raise SpecError("no such joint", key=key, value=name, accepted=accepted)
+
+
+def _by_name(
+    values: dict[str, float], joint_names: Sequence[str], key: str, default: Sequence[float] | None
+) -> list[float]:
+    check_joint_names(list(values), joint_names, key)
+    if default is None and (missing := [name for name in joint_names if name not in values]):
+        raise SpecError("a joint has no value", key=key, value=missing[0], accepted=f"all of {', '.join(joint_names)}")
+    fallback = [0.0] * len(joint_names) if default is None else default
+    return [float(values.get(name, other)) for name, other in zip(joint_names, fallback, strict=True)]

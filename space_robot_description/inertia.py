@@ -1,0 +1,97 @@
+"""Is this a body that can exist? Mass, centre of mass and inertia, checked for physical consistency."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.errors import InertiaError
+from space_robot_msgs_py.interfaces import Vector
+
+# Thin rods and plates meet the triangle inequality with equality; this much is round-off of the file's numbers.
+ROUND_OFF = 1e-9
+
+
+def check_inertia(link: str, mass: float, com: Vector, inertia: Vector, *, point_mass: bool = False) -> None:
+    """Refuse a body that cannot exist.
+
+    Args:
+        link: name for the message.
+        mass: [kg].
+        com: (3,) centre of mass [m].
+        inertia: (3, 3) about the centre of mass [kg m2].
+        point_mass: accept an inertia of exactly zero.
+
+    Raises:
+        InertiaError: not finite, mass not positive, not symmetric, not positive definite, or principal moments against
+            the triangle inequality Ja + Jb >= Jc.
+
+    Reference:
+        Traversaro et al. (2016), "Identification of fully physical consistent inertial parameters", Sec. II.
+    """
+    key = f"link {link}"
+    for name, value in (("mass", mass), ("com", com), ("inertia", inertia)):
+        if not np.isfinite(value).all():
+            raise InertiaError(
+                f"{name} is not finite", key=key, value=np.asarray(value).tolist(), accepted="finite numbers"
+            )
+    if mass <= 0.0:
+        raise InertiaError("mass is not positive", key=key, value=float(mass), accepted="> 0 kg")
+    if point_mass and not np.any(inertia):
+        return
+    if np.max(np.abs(inertia - inertia.T)) > ROUND_OFF * np.max(np.abs(inertia)):
+        raise InertiaError("inertia is not symmetric", key=key, value=inertia.tolist(), accepted="I = I^T")
+    _check_moments(key, inertia)
+
+
+def pseudo_inertia(parameters: Vector) -> Vector:
+    """The (4, 4) pseudo-inertia of a body; the body is physically consistent exactly if it is positive definite.
+
+    Args:
+        parameters: (10,) [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] about the frame origin, Pinocchio's order.
+
+    Reference:
+        Wensing, Kim, Slotine (2018), "Linear matrix inequalities for physically consistent inertial parameters", (10).
+    """
+    mass, first = parameters[0], parameters[1:4]
+    ixx, ixy, iyy, ixz, iyz, izz = parameters[4:]
+    inertia = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+    out = np.empty((4, 4))
+    out[:3, :3] = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    out[:3, 3] = out[3, :3] = first
+    out[3, 3] = mass
+    return out
+
+
+def is_consistent(parameters: Vector) -> bool:
+    """True if a body with these ten parameters (Pinocchio's order) can exist."""
+    if not np.isfinite(parameters).all():
+        return False
+    return bool(np.linalg.eigvalsh(pseudo_inertia(parameters))[0] > 0.0)
+
+
+def inertial_parameters(robot: Robot) -> Vector:
+    """The (1+n, 10) inertial parameters, base first, each in its joint frame.
+
+    Returns:
+        Rows [m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz], inertia about the joint origin [kg, kg m, kg m2].
+    """
+    inertias: Any = robot.model.inertias
+    return np.array([inertias[index].toDynamicParameters() for index in range(1, robot.n + 2)])
+
+
+def _check_moments(key: str, inertia: Vector) -> None:
+    moments = np.linalg.eigvalsh(inertia)
+    if moments[0] <= 0.0:
+        raise InertiaError(
+            "inertia is not positive definite", key=key, value=moments.tolist(), accepted="principal moments > 0 kg m2"
+        )
+    if moments[0] + moments[1] < moments[2] * (1.0 - ROUND_OFF):
+        raise InertiaError(
+            "inertia violates the triangle inequality",
+            key=key,
+            value=moments.tolist(),
+            accepted="principal moments with Ja + Jb >= Jc",
+        )

@@ -1,0 +1,134 @@
+"""A robot file, a shipped name or a resolved mapping to a Robot: the one entry of the package."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from space_robot_description.actuation import check_actuators
+from space_robot_description.compose import compose_urdf
+from space_robot_description.model import JointRow, build_model, end_of_arm
+from space_robot_description.robot import Robot
+from space_robot_description.robot_spec import RobotSpec
+from space_robot_description.share import config_dir, resource, shipped
+from space_robot_description.spec import Actuators, expand
+from space_robot_description.urdf import Tree, child_of, parse_urdf
+from space_robot_description.validation import nearest, parse_yaml, validate
+from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_msgs_py.interfaces import Vector
+
+
+def load_robot(robot: str | Path | Mapping[str, Any]) -> Robot:
+    """Make a robot.
+
+    Args:
+        robot: name of a shipped robot such as ``mini``, path of a robot file, or the content of one
+            (``Robot.resolved``; relative URDF paths then start at the working directory).
+
+    Raises:
+        SpecError: unknown name (with the nearest ones), or something in the file or URDF cannot be used.
+        InputFileError: a file is missing.
+        InertiaError: a body cannot exist; the message names the link.
+    """
+    if isinstance(robot, Mapping):
+        return robot_from_spec(validate(RobotSpec, dict(robot), "robot"), Path())
+    path = robot_path(robot)
+    return robot_from_spec(validate(RobotSpec, parse_yaml(path), str(robot)), path.parent)
+
+
+def robot_path(name_or_path: str | Path) -> Path:
+    """The file of a shipped robot, or the given path.
+
+    Raises:
+        SpecError: no shipped robot has that name.
+        InputFileError: it looks like a path and there is no such file.
+    """
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    if path.suffix or len(path.parts) != 1:
+        raise InputFileError("no such robot file", key="robot", value=str(name_or_path))
+    names = shipped("robots")
+    if path.name not in names:
+        accepted = f"a robot file, or one of: {nearest(path.name, names) or ', '.join(names)}"
+        raise SpecError("no shipped robot has this name", key="robot", value=path.name, accepted=accepted)
+    return config_dir() / "robots" / f"{path.name}.yaml"
+
+
+def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
+    """Compose, check and build.
+
+    Args:
+        spec: the robot file.
+        folder: where relative URDF paths start.
+
+    Raises:
+        SpaceRobotError: see `load_robot`.
+    """
+    text, urdf_folder = _urdf_text(spec.urdf, folder)
+    urdf = compose_urdf(spec, text, urdf_folder)
+    tree = parse_urdf(urdf, f"{spec.name} urdf")
+    model, rows = build_model(tree)
+    names = tuple(rows)
+    actuators = check_actuators(spec, names, [row.effort for row in rows.values()])
+    return Robot(
+        name=spec.name,
+        urdf=urdf,
+        model=model,
+        joint_names=names,
+        body_names=(tree.root_link, *(child_of(tree.joints[name]) for name in names)),
+        base_mode=spec.base_mode,
+        actuators=actuators,
+        effort_limit=expand(actuators.joints.effort, names, "actuators.joints.effort"),
+        joint_lower=_column(rows, "lower"),
+        joint_upper=_column(rows, "upper"),
+        joint_rate_limit=_column(rows, "velocity"),
+        home=_home(spec, rows),
+        tool_frame=_tool(spec, tree),
+        resolved=_resolved(spec, urdf, actuators),
+    )
+
+
+def _urdf_text(urdf: str, folder: Path) -> tuple[str, Path | None]:
+    if urdf.lstrip().startswith("<"):
+        return urdf, None
+    path = resource(urdf, folder)
+    try:
+        return path.read_text(encoding="utf-8"), path.parent
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputFileError(f"cannot be read as UTF-8 text: {error}", key="urdf", value=str(path)) from None
+
+
+def _column(rows: Mapping[str, JointRow], field: str) -> Vector:
+    # Limits may be infinite, so this is no `vector`, but as read-only.
+    out = np.array([getattr(row, field) for row in rows.values()], dtype=np.float64)
+    out.flags.writeable = False
+    return out
+
+
+def _home(spec: RobotSpec, rows: Mapping[str, JointRow]) -> Vector:
+    home = expand(spec.home, tuple(rows), "home", default=[0.0] * len(rows))
+    for (name, row), position in zip(rows.items(), home.tolist(), strict=True):
+        if not row.lower <= position <= row.upper:
+            accepted = f"{row.lower:g}..{row.upper:g}"
+            raise SpecError("home is outside the joint limits", key=f"home.{name}", value=position, accepted=accepted)
+    return home
+
+
+def _tool(spec: RobotSpec, tree: Tree) -> str:
+    if spec.tool is None:
+        return end_of_arm(tree)
+    if spec.tool not in tree.links:
+        accepted = nearest(spec.tool, tree.links) or ", ".join(tree.links)
+        raise SpecError("no such link", key="tool", value=spec.tool, accepted=accepted)
+    return spec.tool
+
+
+def _resolved(spec: RobotSpec, urdf: str, actuators: Actuators) -> dict[str, Any]:
+    """The file whose URDF holds base, locks and limits, so that nothing else is needed to make the robot again."""
+    done: dict[str, Any] = {"urdf": urdf, "base": None, "locked_joints": {}, "joint_limits": {}, "actuators": actuators}
+    dumped: dict[str, Any] = spec.model_copy(update=done).model_dump(mode="json")
+    return dumped

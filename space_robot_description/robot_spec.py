@@ -1,0 +1,101 @@
+"""The robot file: which URDF, on which satellite, pushed by what."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from space_robot_description.spec import Actuators, PerJoint, Strict, Three
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Vector
+
+INERTIA_KEYS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+
+
+class InertiaEntries(Strict):
+    """Inertia tensor entries by name, as URDF names them."""
+
+    ixx: float
+    iyy: float
+    izz: float
+    ixy: float = 0.0
+    ixz: float = 0.0
+    iyz: float = 0.0
+
+
+InertiaInput = tuple[float, ...] | InertiaEntries
+
+
+class Pose(Strict):
+    """Where a frame stands in its parent."""
+
+    xyz: Three = Field(default=(0.0, 0.0, 0.0), description="origin [m]")
+    rpy: Three = Field(default=(0.0, 0.0, 0.0), description="fixed-axis roll, pitch, yaw, R = Rz Ry Rx [rad]")
+
+
+class BaseSpec(Strict):
+    """The satellite under a fixed-base arm; frame ``base_link``."""
+
+    mass: float = Field(description="[kg]")
+    inertia: InertiaInput = Field(
+        description="about the centre of mass, base axes [kg m2]: [Ixx, Iyy, Izz], or those and Ixy, Ixz, Iyz "
+        "(tensor entries, as in URDF), or a mapping ixx..iyz"
+    )
+    com: Three = Field(default=(0.0, 0.0, 0.0), description="centre of mass in base_link [m]")
+    mount: Pose = Field(default_factory=Pose, description="the arm's root link in base_link")
+    size: Three | None = Field(
+        default=None,
+        description="box to draw, centred on base_link [m]; default: the homogeneous box of this mass and inertia",
+    )
+
+
+class JointLimits(Strict):
+    """Limits that override the URDF's."""
+
+    lower: float | None = Field(default=None, description="[rad or m]")
+    upper: float | None = Field(default=None, description="[rad or m]")
+    velocity: PositiveFloat | None = Field(default=None, description="[rad/s or m/s]")
+
+
+class RobotSpec(Strict):
+    """A robot file. Joint and link names are those of the composed URDF."""
+
+    name: str = Field(min_length=1)
+    description: str = ""
+    urdf: str = Field(
+        min_length=1,
+        description="path relative to this file, package://<package>/<path>, example-robot-data:<path under robots/>, "
+        "or the URDF text itself",
+    )
+    base: BaseSpec | None = Field(
+        default=None, description="present: the URDF is an arm and stands on this satellite; absent: it is everything"
+    )
+    base_mode: Literal["free_floating", "free_flying"] = Field(
+        description="free_floating: no force on the base; free_flying: thrusters push it"
+    )
+    actuators: Actuators
+    home: PerJoint = Field(default_factory=dict, description="[rad or m]; joints not named stand at 0")
+    locked_joints: dict[str, float] = Field(default_factory=dict, description="joint: position it is fixed at")
+    joint_limits: dict[str, JointLimits] = Field(
+        default_factory=dict, description="joint: limits instead of the URDF's"
+    )
+    tool: str | None = Field(
+        default=None, description="link at the end of the arm; default: link `tool`, else the end of the longest chain"
+    )
+
+
+def tensor(entries: InertiaInput, key: str) -> Vector:
+    """The (3, 3) tensor of an inertia given in a file.
+
+    Raises:
+        SpecError: the list has neither 3 nor 6 numbers.
+    """
+    values = [getattr(entries, name) for name in INERTIA_KEYS] if isinstance(entries, InertiaEntries) else list(entries)
+    if len(values) not in (3, 6):
+        raise SpecError(
+            "wrong number of values", key=key, value=values, accepted="3 (Ixx, Iyy, Izz) or 6 (+ Ixy, Ixz, Iyz)"
+        )
+    ixx, iyy, izz, ixy, ixz, iyz = values + [0.0] * (6 - len(values))
+    return np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])

@@ -1,0 +1,90 @@
+"""Where shipped data and other packages' data are found; the one place that reads the environment."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+from space_robot_msgs_py.errors import InputFileError
+
+DATA = Path("share") / "space_robot" / "config"
+WHEEL_SCHEME = "example-robot-data:"
+
+
+def config_dir() -> Path:
+    """The folder of shipped robots, experiments, campaigns and faults.
+
+    In a source tree that is its ``config/``; installed, it is ``share/space_robot/config`` of the Python prefix or of
+    an entry of AMENT_PREFIX_PATH, the first that exists.
+
+    Raises:
+        InputFileError: none of them exists.
+    """
+    source = Path(__file__).resolve().parent.parent / "config"
+    candidates = [source, *(prefix / DATA for prefix in [Path(sys.prefix), *_ament_prefixes()])]
+    for candidate in candidates:
+        if (candidate / "robots").is_dir():
+            return candidate
+    raise InputFileError("the shipped config folder was not found", accepted=", ".join(str(c) for c in candidates))
+
+
+def shipped(kind: str) -> list[str]:
+    """Sorted names of the shipped files of a kind, e.g. ``shipped("robots")``, folders with ``/``, without suffix."""
+    root = config_dir() / kind
+    return sorted(path.relative_to(root).with_suffix("").as_posix() for path in root.rglob("*.yaml"))
+
+
+def resource(uri: str, folder: Path) -> Path:
+    """The file a robot file points at.
+
+    Args:
+        uri: a path relative to ``folder``, an absolute path, ``package://<package>/<path>`` in the share folder of a
+            package on AMENT_PREFIX_PATH, or ``example-robot-data:<path under robots/>`` of the wheel of that name.
+        folder: where relative paths start.
+
+    Raises:
+        InputFileError: there is no such file; the message says what would bring it.
+    """
+    if uri.startswith(WHEEL_SCHEME):
+        return _in_wheel(uri)
+    if uri.startswith("package://"):
+        return _in_package(uri)
+    path = folder / uri
+    if not path.is_file():
+        raise InputFileError("no such URDF file", key="urdf", value=str(path), accepted="a file beside the robot file")
+    return path
+
+
+def _in_wheel(uri: str) -> Path:
+    inside = Path("cmeel.prefix") / "share" / "example-robot-data" / "robots"
+    # cmeel wheels unpack into cmeel.prefix beside the ordinary packages, so every import root is a candidate.
+    roots = [root for entry in sys.path if (root := Path(entry) / inside).is_dir()]
+    if not roots:
+        raise InputFileError(
+            "the robots of the example-robot-data wheel are not installed",
+            key="urdf",
+            value=uri,
+            accepted="pip install example-robot-data (extra: space-robot[robots])",
+        )
+    path = roots[0] / uri.removeprefix(WHEEL_SCHEME)
+    if not path.is_file():
+        raise InputFileError("the example-robot-data wheel has no such file", key="urdf", value=uri)
+    return path
+
+
+def _in_package(uri: str) -> Path:
+    relative = uri.removeprefix("package://")
+    for prefix in _ament_prefixes():
+        if (path := prefix / "share" / relative).is_file():
+            return path
+    raise InputFileError(
+        "no such file in the share folder of a ROS package",
+        key="urdf",
+        value=uri,
+        accepted="a package on AMENT_PREFIX_PATH (source its setup file first)",
+    )
+
+
+def _ament_prefixes() -> list[Path]:
+    return [Path(entry) for entry in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if entry]

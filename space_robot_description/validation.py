@@ -1,0 +1,177 @@
+"""YAML in, typed models out; every complaint is one line that names the key, the value and what would be accepted."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import types
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+from space_robot_msgs_py.errors import InputFileError, SpecError
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def parse_yaml(path: Path | str) -> dict[str, Any]:
+    """Read a YAML 1.2 file whose top level is a mapping.
+
+    Raises:
+        InputFileError: the file is missing or cannot be read.
+        SpecError: not YAML (with line and column), a key twice, not a mapping, or a NaN or infinity in it.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputFileError("no such file", key=str(path)) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputFileError(f"cannot be read as UTF-8 text: {error}", key=str(path)) from None
+    return parse_yaml_text(text, str(path))
+
+
+def parse_yaml_text(text: str, where: str) -> dict[str, Any]:
+    """Parse YAML text whose top level is a mapping; ``where`` names it in errors.
+
+    Raises:
+        SpecError: see `parse_yaml`.
+    """
+    try:
+        data = YAML(typ="safe", pure=True).load(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        # ruamel appends advice on how to switch the check off; the first line is the problem.
+        problem = str(error.problem or error.context or "syntax error").strip().splitlines()[0]
+        raise SpecError(f"not valid YAML{place}: {problem}", key=where) from None
+    except (YAMLError, ValueError, RecursionError) as error:
+        raise SpecError(f"not valid YAML: {str(error).splitlines()[0]}", key=where) from None
+    if not isinstance(data, dict):
+        raise SpecError("the file does not hold a mapping", key=where, value=_short(data), accepted="key: value lines")
+    if found := _non_finite(data, (), frozenset()):
+        key = f"{where} {'.'.join(found[0])}"
+        raise SpecError("not a finite number", key=key, value=found[1], accepted="finite numbers")
+    return data
+
+
+def validate(model_class: type[Model], data: object, where: str) -> Model:
+    """Check data against a typed model.
+
+    Args:
+        model_class: a pydantic model.
+        data: what was parsed.
+        where: name of the file or section, stands before the dotted key in the message.
+
+    Raises:
+        SpecError: names the first bad key, its value, what is accepted (for an unknown key the nearest valid ones),
+            and how many more there are.
+    """
+    try:
+        return model_class.model_validate(data)
+    except ValidationError as error:
+        problems = error.errors(include_url=False)
+        first = problems[0]
+        path = _data_path(first, data)
+        same = [problem for problem in problems if _data_path(problem, data) == path]
+        others = len({_data_path(problem, data) for problem in problems}) - 1
+        raise _spec_error(model_class, first, same, path, where, others) from None
+
+
+def nearest(name: object, names: Iterable[str]) -> str:
+    """Up to three names that look like the given one, comma separated; empty if none does."""
+    return ", ".join(difflib.get_close_matches(str(name), list(names), n=3, cutoff=0.5))
+
+
+def _spec_error(
+    model_class: type[BaseModel],
+    first: Mapping[str, Any],
+    same: Sequence[Mapping[str, Any]],
+    path: tuple[str | int, ...],
+    where: str,
+    others: int,
+) -> SpecError:
+    kind = first["type"]
+    key = " ".join(filter(None, [where, ".".join(str(part) for part in path)]))
+    more = f" (and {others} more)" if others else ""
+    if kind == "extra_forbidden":
+        valid = _valid_keys(model_class, tuple(first["loc"][:-1]))
+        guess = nearest(path[-1], valid)
+        accepted = f"did you mean {guess}? valid: {', '.join(valid)}" if guess else ", ".join(valid)
+        return SpecError(f"unknown key{more}", key=key, accepted=accepted)
+    if kind == "missing":
+        return SpecError(f"is required and missing{more}", key=key)
+    # A value that fits no member of a union yields one problem per member.
+    texts = dict.fromkeys(problem["msg"].removeprefix("Value error, ") for problem in same)
+    return SpecError(f"not accepted{more}", key=key, value=_short(first["input"]), accepted=", or ".join(texts))
+
+
+def _data_path(problem: Mapping[str, Any], data: object) -> tuple[str | int, ...]:
+    """The part of pydantic's location that exists in the data: it also holds union members' names."""
+    path: list[str | int] = []
+    here = data
+    loc = problem["loc"]
+    for index, part in enumerate(loc):
+        inside = (isinstance(here, Mapping) and part in here) or (
+            isinstance(here, Sequence) and not isinstance(here, str) and isinstance(part, int) and part < len(here)
+        )
+        if inside:
+            here = here[part]  # type: ignore[index]
+            path.append(part)
+        elif index == len(loc) - 1 and problem["type"] == "missing":
+            path.append(part)
+    return tuple(path)
+
+
+def _valid_keys(model_class: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
+    candidates: list[type[BaseModel]] = [model_class]
+    for part in loc:
+        inner = [
+            model
+            for candidate in candidates
+            if part in candidate.model_fields
+            for model in _models_in(candidate.model_fields[str(part)].annotation)
+        ]
+        tagged = [model for model in candidates if part in _tags(model) or part == model.__name__]
+        # List indices and mapping keys change nothing: the models inside were collected with the container.
+        candidates = inner or tagged or candidates
+    return list(dict.fromkeys(name for model in candidates for name in model.model_fields))
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if get_origin(annotation) in (Annotated, Union, types.UnionType, tuple, list, dict):
+        return [model for part in get_args(annotation) for model in _models_in(part)]
+    return []
+
+
+def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
+    return tuple(
+        tag
+        for info in model.model_fields.values()
+        if get_origin(info.annotation) is Literal
+        for tag in get_args(info.annotation)
+    )
+
+
+def _non_finite(value: object, path: tuple[str, ...], above: frozenset[int]) -> tuple[tuple[str, ...], float] | None:
+    """Path and value of the first NaN or infinity, depth first; ``above`` stops at a YAML alias to its own parent."""
+    if isinstance(value, float):
+        return None if math.isfinite(value) else (path, value)
+    if id(value) in above or not isinstance(value, dict | list):
+        return None
+    children = value.items() if isinstance(value, dict) else enumerate(value)
+    for name, child in children:
+        if found := _non_finite(child, (*path, str(name)), above | {id(value)}):
+            return found
+    return None
+
+
+def _short(value: object) -> object:
+    """Long values would bury the message."""
+    return value if len(repr(value)) <= 80 else f"{repr(value)[:77]}..."
