@@ -6,16 +6,17 @@
       ^                                                   |
       '---- Plant.step(command) <-------------------------'          every value of a tick --> Sink
 
-Conventions: SI units; time is integer nanoseconds since the start of the run; quaternions are (x, y, z, w), unit, body to
-inertial. With n joints a configuration is ``q = [position(3) inertial, quaternion(4), joints(n)]`` and a velocity is
-``v = [linear(3), angular(3), joint rates(n)]`` with the base part in the BODY frame (Pinocchio's free-flyer, and the twist
-of nav_msgs/Odometry). Accelerations are the time derivatives of the components of v.
+Conventions: SI units; time is integer nanoseconds since the start of the run; quaternions are (x, y, z, w), unit, body
+to inertial. With n joints a configuration is ``q = [position(3) inertial, quaternion(4), joints(n)]`` and a velocity is
+``v = [linear(3), angular(3), joint rates(n)]`` with the base part in the BODY frame (Pinocchio's free-flyer, and the
+twist of nav_msgs/Odometry). Accelerations are the time derivatives of the components of v.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any, Protocol
 
 import numpy as np
@@ -38,7 +39,7 @@ def vector(values: npt.ArrayLike, size: int | None, key: str) -> Vector:
     if out.ndim != 1 or (size is not None and out.size != size):
         raise CommandError("wrong size", key=key, value=out.shape, accepted=f"a vector of {size} numbers")
     # A sum is finite only if (almost always) all terms are; the slow exact test runs only when it is not.
-    if not np.isfinite(out.sum()) and not np.isfinite(out).all():
+    if not isfinite(out.sum()) and not np.isfinite(out).all():
         raise NonFiniteError("not a finite number", key=key, value=out.tolist(), accepted="finite numbers")
     out.flags.writeable = False
     return out
@@ -58,7 +59,8 @@ class RobotState:
         q: (7+n,) configuration [m, -, rad].
         v: (6+n,) velocity, base twist in the body frame [m/s, rad/s].
         effort: (n,) motor effort at the joints, mean over the control period that ended at this stamp [N m or N].
-        base_acceleration: (3,) inertial acceleration of the base origin, body frame, as an accelerometer reads it [m/s2].
+        base_acceleration: (3,) inertial acceleration of the base origin, body frame, as an accelerometer reads it
+            [m/s2].
     """
 
     stamp: int
@@ -163,7 +165,12 @@ class Telemetry:
     @classmethod
     def of(cls, stamp: int, blocks: Mapping[str, npt.ArrayLike]) -> Telemetry:
         """Build from an ordered mapping of block name to scalar or 1-D array."""
-        arrays = [np.atleast_1d(np.asarray(block, dtype=np.float64)) for block in blocks.values()]
+        arrays = [
+            block
+            if isinstance(block, np.ndarray) and block.ndim == 1
+            else np.atleast_1d(np.asarray(block, dtype=np.float64))
+            for block in blocks.values()
+        ]
         data = np.concatenate(arrays) if arrays else np.empty(0)
         return cls(stamp, tuple(blocks), tuple(a.size for a in arrays), data)
 
