@@ -1,7 +1,8 @@
 """Rotations as unit quaternions (x, y, z, w), Hamilton product, body to inertial unless said otherwise.
 
-Every function takes sequences of floats and returns a new float64 array. The arithmetic runs on Python floats: at three
-or four numbers that is several times faster than NumPy, and a control period calls these a dozen times.
+Every function takes sequences of floats (tuples, lists, arrays) and returns a tuple of Python floats: at three or four
+numbers that is several times faster than NumPy, and a control period calls these a dozen times. A tuple is no vector:
+``+`` joins two of them. Wrap one in ``np.array`` before adding or scaling.
 
 Reference: Sola, "Quaternion kinematics for the error-state Kalman filter", 2017, secs. 1-2 and 4.
 """
@@ -17,10 +18,11 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 
 Floats = Sequence[float] | Vector
-IDENTITY = (0.0, 0.0, 0.0, 1.0)
+Three = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
 
 
-def normalized(q: Floats, key: str = "quaternion") -> Vector:
+def normalized(q: Floats, key: str = "quaternion") -> Quaternion:
     """Scale a quaternion to unit length.
 
     Args:
@@ -34,64 +36,60 @@ def normalized(q: Floats, key: str = "quaternion") -> Vector:
     length = hypot(x, y, z, w)
     if not 1e-9 < length < 1e9:
         raise SpecError("not a rotation", key=key, value=[x, y, z, w], accepted="x, y, z, w, not all zero, finite")
-    return np.array((x / length, y / length, z / length, w / length))
+    return x / length, y / length, z / length, w / length
 
 
-def product(a: Floats, b: Floats) -> Vector:
+def product(a: Floats, b: Floats) -> Quaternion:
     """Return the quaternion of the rotation b followed by a, R(a) R(b) [-]."""
     ax, ay, az, aw = _floats(a)
     bx, by, bz, bw = _floats(b)
-    return np.array(
-        (
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        )
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
     )
 
 
-def conjugate(q: Floats) -> Vector:
+def conjugate(q: Floats) -> Quaternion:
     """Return the inverse rotation of a unit quaternion [-]."""
     x, y, z, w = _floats(q)
-    return np.array((-x, -y, -z, w))
+    return -x, -y, -z, w
 
 
-def relative(a: Floats, b: Floats) -> Vector:
+def relative(a: Floats, b: Floats) -> Quaternion:
     """Return the quaternion of R(a)^T R(b), from frame b to frame a, on the short way (w >= 0, sgn(0) = +1) [-]."""
     ax, ay, az, aw = _floats(a)
     bx, by, bz, bw = _floats(b)
     w = aw * bw + ax * bx + ay * by + az * bz
     sign = -1.0 if w < 0.0 else 1.0
-    return np.array(
-        (
-            sign * (aw * bx - ax * bw - ay * bz + az * by),
-            sign * (aw * by + ax * bz - ay * bw - az * bx),
-            sign * (aw * bz - ax * by + ay * bx - az * bw),
-            sign * w,
-        )
+    return (
+        sign * (aw * bx - ax * bw - ay * bz + az * by),
+        sign * (aw * by + ax * bz - ay * bw - az * bx),
+        sign * (aw * bz - ax * by + ay * bx - az * bw),
+        sign * w,
     )
 
 
-def rotate(q: Floats, r: Floats) -> Vector:
+def rotate(q: Floats, r: Floats) -> Three:
     """Return R(q) r for a unit quaternion and a vector (3,)."""
     x, y, z, w = _floats(q)
     a, b, c = _floats(r)
     tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    return np.array((a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx))
+    return a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx
 
 
-def rotate_inverse(q: Floats, r: Floats) -> Vector:
+def rotate_inverse(q: Floats, r: Floats) -> Three:
     """Return R(q)^T r for a unit quaternion and a vector (3,)."""
     x, y, z, w = _floats(q)
     return rotate((-x, -y, -z, w), r)
 
 
-def cross(a: Floats, b: Floats) -> Vector:
+def cross(a: Floats, b: Floats) -> Three:
     """Return a x b; np.cross takes ten times as long for one pair of vectors."""
     ax, ay, az = _floats(a)
     bx, by, bz = _floats(b)
-    return np.array((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 def matrix(q: Floats) -> Vector:
@@ -106,15 +104,15 @@ def matrix(q: Floats) -> Vector:
     )
 
 
-def exp(rotation_vector: Floats) -> Vector:
+def exp(rotation_vector: Floats) -> Quaternion:
     """Return the unit quaternion of a rotation vector (3,) [rad]."""
     x, y, z = _floats(rotation_vector)
     angle = hypot(x, y, z)
     scale = sin(0.5 * angle) / angle if angle > 0.0 else 0.5
-    return np.array((scale * x, scale * y, scale * z, cos(0.5 * angle)))
+    return scale * x, scale * y, scale * z, cos(0.5 * angle)
 
 
-def log(q: Floats) -> Vector:
+def log(q: Floats) -> Three:
     """Return the rotation vector (3,) of a quaternion, the short way, length at most pi [rad].
 
     atan2 of both half-angle functions keeps full accuracy near 0 and near pi, where acos and asin lose half the digits.
@@ -124,25 +122,23 @@ def log(q: Floats) -> Vector:
         x, y, z, w = -x, -y, -z, -w
     length = hypot(x, y, z)
     scale = 2.0 * atan2(length, w) / length if length > 0.0 else 2.0
-    return np.array((scale * x, scale * y, scale * z))
+    return scale * x, scale * y, scale * z
 
 
-def from_rpy(rpy: Floats) -> Vector:
+def from_rpy(rpy: Floats) -> Quaternion:
     """Return the quaternion of roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
     roll, pitch, yaw = _floats(rpy)
     cr, sr, cp, sp = cos(0.5 * roll), sin(0.5 * roll), cos(0.5 * pitch), sin(0.5 * pitch)
     cy, sy = cos(0.5 * yaw), sin(0.5 * yaw)
-    return np.array(
-        (
-            sr * cp * cy - cr * sp * sy,
-            cr * sp * cy + sr * cp * sy,
-            cr * cp * sy - sr * sp * cy,
-            cr * cp * cy + sr * sp * sy,
-        )
+    return (
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
     )
 
 
-def to_rpy(q: Floats) -> Vector:
+def to_rpy(q: Floats) -> Three:
     """Return roll, pitch, yaw of a unit quaternion [rad], pitch in [-pi/2, pi/2], the others in [-pi, pi].
 
     Sums and differences of the components factor into (cos +- sin)(pitch/2) times sine and cosine of half the sum and
@@ -153,10 +149,10 @@ def to_rpy(q: Floats) -> Vector:
     x, y, z, w = _floats(q)
     difference, half_sum = atan2(x - z, w + y), atan2(x + z, w - y)
     pitch = 2.0 * atan2(hypot(w + y, x - z), hypot(w - y, x + z)) - 0.5 * pi
-    return np.array((_wrapped(half_sum + difference), pitch, _wrapped(half_sum - difference)))
+    return _wrapped(half_sum + difference), pitch, _wrapped(half_sum - difference)
 
 
-def rpy_rates(rpy: Floats, rates: Floats, accelerations: Floats) -> tuple[Vector, Vector]:
+def rpy_rates(rpy: Floats, rates: Floats, accelerations: Floats) -> tuple[Three, Three]:
     """Return body angular velocity [rad/s] and acceleration [rad/s2] of a motion given in roll, pitch, yaw.
 
     omega = N(roll, pitch) rpy', N = [[1, 0, -sp], [0, cr, sr cp], [0, -sr, cr cp]]; alpha is its time derivative.
@@ -172,13 +168,11 @@ def rpy_rates(rpy: Floats, rates: Floats, accelerations: Floats) -> tuple[Vector
     cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
     yaw_rate, yaw_acceleration = dy * cp, ddy * cp - dy * dp * sp
     wy, wz = dp * cr + yaw_rate * sr, yaw_rate * cr - dp * sr
-    omega = np.array((dr - dy * sp, wy, wz))
-    alpha = np.array(
-        (
-            ddr - ddy * sp - dy * dp * cp,
-            ddp * cr + yaw_acceleration * sr + dr * wz,
-            yaw_acceleration * cr - ddp * sr - dr * wy,
-        )
+    omega = (dr - dy * sp, wy, wz)
+    alpha = (
+        ddr - ddy * sp - dy * dp * cp,
+        ddp * cr + yaw_acceleration * sr + dr * wz,
+        yaw_acceleration * cr - ddp * sr - dr * wy,
     )
     return omega, alpha
 

@@ -7,13 +7,12 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
 
-from space_robot_control.joints import joint_values
 from space_robot_control.laws.base import Blocks, Law
 from space_robot_control.laws.dynamics import NominalModel
 from space_robot_control.laws.stability import stability_margin
 from space_robot_control.laws.tracking import error_blocks, tracking_errors
 from space_robot_description.robot import Robot
-from space_robot_description.spec import Strict
+from space_robot_description.spec import Strict, expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
@@ -90,7 +89,7 @@ class ComputedTorque(Law):
 def _natural_frequencies(bandwidth: Bandwidth, robot: Robot) -> Vector:
     wn = np.empty(6 + robot.n)
     wn[:3], wn[3:6] = bandwidth.translation, bandwidth.rotation
-    wn[6:] = joint_values(bandwidth.joints, robot.joint_names, "controller.gains.bandwidth.joints")
+    wn[6:] = expand(bandwidth.joints, robot.joint_names, "controller.gains.bandwidth.joints")
     return wn
 
 

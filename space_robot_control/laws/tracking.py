@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,22 +73,25 @@ def tracking_errors(state: RobotState, reference: Reference) -> TrackingErrors:
         state: what is, q (7+n,) with a unit quaternion, v (6+n,).
         reference: what is asked, of the same size.
     """
-    q, v = state.q, state.v
-    q_d, v_d, a_d = reference.q, reference.v, reference.a
-    attitude = q[3:7]
-    to_body = relative(attitude, q_d[3:7])
-    omega, omega_d = v[3:6], v_d[3:6]
-    transported_omega = rotate(to_body, omega_d)
-
-    configuration, velocity, feedforward = np.empty(v.size), v_d - v, np.array(a_d)
-    configuration[:3] = rotate_inverse(attitude, q_d[:3] - q[:3])
-    configuration[3:6] = log(to_body)
-    np.subtract(q_d[7:], q[7:], out=configuration[6:])
-    velocity[:3] = rotate(to_body, v_d[:3]) - v[:3]
-    velocity[3:6] = transported_omega - omega
-    feedforward[:3] = rotate(to_body, a_d[:3] + cross(omega_d, v_d[:3])) - cross(omega, v[:3])
-    feedforward[3:6] = rotate(to_body, a_d[3:6]) - cross(omega, transported_omega)
-    return TrackingErrors(configuration, velocity, feedforward, to_body)
+    # On Python floats: at these sizes several times faster than on arrays.
+    q, v = state.q.tolist(), state.v.tolist()
+    q_d, v_d, a_d = reference.q.tolist(), reference.v.tolist(), reference.a.tolist()
+    linear, omega, linear_d, omega_d = v[:3], v[3:6], v_d[:3], v_d[3:6]
+    to_body = relative(q[3:7], q_d[3:7])
+    transported, transported_omega = rotate(to_body, linear_d), rotate(to_body, omega_d)
+    acceleration_d = _plus(a_d[:3], cross(omega_d, linear_d))
+    configuration = (
+        *rotate_inverse(q[3:7], _minus(q_d[:3], q[:3])),
+        *log(to_body),
+        *_minus(q_d[7:], q[7:]),
+    )
+    velocity = (*_minus(transported, linear), *_minus(transported_omega, omega), *_minus(v_d[6:], v[6:]))
+    feedforward = (
+        *_minus(rotate(to_body, acceleration_d), cross(omega, linear)),
+        *_minus(rotate(to_body, a_d[3:6]), cross(omega, transported_omega)),
+        *a_d[6:],
+    )
+    return TrackingErrors(np.array(configuration), np.array(velocity), np.array(feedforward), np.array(to_body))
 
 
 def error_blocks(errors: TrackingErrors) -> dict[str, Vector]:
@@ -99,3 +103,11 @@ def error_blocks(errors: TrackingErrors) -> dict[str, Vector]:
         "twist_error": errors.twist,
         "joint_rate_error": errors.joint_rates,
     }
+
+
+def _plus(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    return [x + y for x, y in zip(a, b, strict=True)]
+
+
+def _minus(a: Sequence[float], b: Sequence[float]) -> list[float]:
+    return [x - y for x, y in zip(a, b, strict=True)]

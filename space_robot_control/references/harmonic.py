@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import radians, tau
+from typing import cast
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from space_robot_control.references.spec import HarmonicSpec, Wave, Waves
 from space_robot_control.references.targets import check_limits, configuration
 from space_robot_control.rotations import from_rpy, rpy_rates, to_rpy
 from space_robot_description.robot import Robot
-from space_robot_description.validation import nearest
+from space_robot_description.spec import check_joint_names
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector
 
@@ -47,28 +48,29 @@ class Harmonic:
     ) -> None:
         self._center = np.concatenate((center[:3], to_rpy(center[3:7]), center[7:]))
         self._omega, self._phase = np.array(omega, dtype=np.float64), np.array(phase, dtype=np.float64)
-        self._mix = np.zeros((self._center.size, len(channel)))
-        self._mix[list(channel), np.arange(len(channel))] = amplitude
+        self._mix = np.zeros((len(channel), self._center.size))
+        self._mix[np.arange(len(channel)), list(channel)] = amplitude
         self._start, self._soft_start = start, soft_start
 
     def at(self, stamp: int) -> Reference:
         """Return the reference at a stamp [ns]."""
         x, dx, ddx = self._channels(max(0, stamp - self._start))
-        q = np.concatenate((x[:3], from_rpy(x[3:6]), x[6:]))
-        dx[3:6], ddx[3:6] = rpy_rates(x[3:6], dx[3:6], ddx[3:6])
-        return in_body(stamp, q, dx, ddx)
+        omega, alpha = rpy_rates(x[3:6], dx[3:6], ddx[3:6])
+        q = [*x[:3], *from_rpy(x[3:6]), *x[6:]]
+        return in_body(stamp, q, [*dx[:3], *omega, *dx[6:]], [*ddx[:3], *alpha, *ddx[6:]])
 
-    def _channels(self, elapsed: int) -> tuple[Vector, Vector, Vector]:
+    def _channels(self, elapsed: int) -> list[list[float]]:
         seconds = 1e-9 * self._soft_start
         ramp, rise, bend = quintic(elapsed / self._soft_start)
         rise, bend = rise / seconds, bend / (seconds * seconds)
         angle = self._omega * (1e-9 * elapsed) + self._phase
         wave, dwave = np.sin(angle), self._omega * np.cos(angle)
         ddwave = -self._omega * self._omega * wave
-        # Derivatives of r f by the product rule, before the waves are summed into channels.
-        terms = (ramp * wave, rise * wave + ramp * dwave, bend * wave + 2.0 * rise * dwave + ramp * ddwave)
-        x, dx, ddx = (self._mix @ term for term in terms)
-        return self._center + x, dx, ddx
+        # Rows: the waves and their derivatives; the ramp comes in by the product rule for (r f), (r f)', (r f)''.
+        product_rule = np.array(((ramp, 0.0, 0.0), (rise, ramp, 0.0), (bend, 2.0 * rise, ramp)))
+        channels = product_rule @ np.array((wave, dwave, ddwave)) @ self._mix
+        channels[0] += self._center
+        return cast("list[list[float]]", channels.tolist())
 
 
 def harmonic(spec: HarmonicSpec, robot: Robot, initial_q: Vector, key: str) -> Harmonic:
@@ -103,10 +105,7 @@ def harmonic(spec: HarmonicSpec, robot: Robot, initial_q: Vector, key: str) -> H
 def _joint_waves(spec: HarmonicSpec, robot: Robot, key: str) -> list[tuple[Wave, ...]]:
     joints, names = spec.joints, robot.joint_names
     if isinstance(joints, dict):
-        for name in joints:
-            if name not in names:
-                accepted = f"did you mean {nearest(name, names)}?" if nearest(name, names) else ", ".join(names)
-                raise SpecError("no such joint", key=f"{key}.{name}", value=name, accepted=accepted)
+        check_joint_names(list(joints), names, key)
         return [_listed(joints.get(name, ())) for name in names]
     if len(joints) not in (0, len(names)):
         accepted = f"{len(names)} entries, in the order {', '.join(names)}"

@@ -23,7 +23,7 @@ from space_robot_control.references.waypoints import waypoints
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_description.validation import validate
-from space_robot_msgs_py.errors import CommandError, SpecError
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import ReferenceSource, Vector
 
 
@@ -72,10 +72,11 @@ def make_reference(
 
 
 def _recorded(spec: RecordedSpec, robot: Robot, key: str) -> Recorded:
-    if spec.q and len(spec.q[0]) != 7 + robot.n:
-        accepted = f"{7 + robot.n} for {robot.n} joints"
-        raise SpecError("wrong number of columns", key=f"{key}.q", value=len(spec.q[0]), accepted=accepted)
-    try:
-        return Recorded.from_arrays(spec.stamps, spec.q, spec.v, spec.a, key)
-    except CommandError as error:
-        raise SpecError(error.message, key=key, value=error.value, accepted=error.accepted) from error
+    for name, rows, width in (("q", spec.q, 7 + robot.n), ("v", spec.v, 6 + robot.n), ("a", spec.a, 6 + robot.n)):
+        for index, row in enumerate(rows):
+            if len(row) != width:
+                accepted = f"{width} for {robot.n} joints"
+                raise SpecError(
+                    "wrong number of columns", key=f"{key}.{name}.{index}", value=len(row), accepted=accepted
+                )
+    return Recorded.from_arrays(spec.stamps, spec.q, spec.v, spec.a, key)

@@ -61,27 +61,30 @@ class PointToPoint:
     def __init__(self, first: Vector, last: Vector, start: int, duration: int) -> None:
         if duration <= 0:
             raise SpecError("not a duration", key="duration", value=duration, accepted="a positive number [ns]")
-        self._first, self._last = np.array(first), np.array(last)
-        if self._first[3:7] @ self._last[3:7] < 0.0:
-            self._last[3:7] *= -1.0
-        self._change = self._last[1:] - self._first[1:]
-        self._change[:3] = self._last[:3] - self._first[:3]
-        self._change[3:6] = log(relative(self._first[3:7], self._last[3:7]))
+        end = np.array(last)
+        if first[3:7] @ end[3:7] < 0.0:
+            end[3:7] *= -1.0  # the same attitude, without a jump of sign
+        turn = log(relative(first[3:7], end[3:7]))
+        self._first, self._last = first.tolist(), end.tolist()
+        self._change = [*(end[:3] - first[:3]).tolist(), *turn, *(end[7:] - first[7:]).tolist()]
+        self._zero = [0.0] * len(self._change)
         self._start, self._duration = start, duration
 
     def at(self, stamp: int) -> Reference:
         """Return the reference at a stamp [ns]."""
         return in_body(stamp, *self.motion(stamp))
 
-    def motion(self, stamp: int) -> tuple[Vector, Vector, Vector]:
+    def motion(self, stamp: int) -> tuple[list[float], list[float], list[float]]:
         """Return q (7+n,), v and a (6+n,) at a stamp [ns], the linear parts of v and a in the inertial frame."""
         change, seconds = self._change, 1e-9 * self._duration
         s, ds, dds = quintic((stamp - self._start) / self._duration)
         if s == 0.0 or s == 1.0:
-            q = np.array(self._first if s == 0.0 else self._last)
-            return q, np.zeros(change.size), np.zeros(change.size)
-        q = np.empty(change.size + 1)
-        q[:3] = self._first[:3] + s * change[:3]
-        q[3:7] = product(self._first[3:7], exp(s * change[3:6]))
-        q[7:] = self._first[7:] + s * change[6:]
-        return q, (ds / seconds) * change, (dds / (seconds * seconds)) * change
+            return self._first if s == 0.0 else self._last, self._zero, self._zero
+        ds, dds = ds / seconds, dds / (seconds * seconds)
+        moved = [s * part for part in change]
+        q = [
+            *(x + dx for x, dx in zip(self._first[:3], moved[:3], strict=True)),
+            *product(self._first[3:7], exp(moved[3:6])),
+            *(x + dx for x, dx in zip(self._first[7:], moved[6:], strict=True)),
+        ]
+        return q, [ds * part for part in change], [dds * part for part in change]

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from space_robot_control.rotations import cross, rotate_inverse
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
+from space_robot_msgs_py.interfaces import NANOSECONDS, Reference
 
 
 def quintic(tau: float) -> tuple[float, float, float]:
@@ -25,7 +29,7 @@ def quintic(tau: float) -> tuple[float, float, float]:
     )
 
 
-def in_body(stamp: int, q: Vector, v: Vector, a: Vector) -> Reference:
+def in_body(stamp: int, q: Sequence[float], v: Sequence[float], a: Sequence[float]) -> Reference:
     """Return a Reference from a motion whose linear velocity and acceleration are still in the inertial frame.
 
     With p' = R v and p'' = R (v' + w x v): v = R^T p' and v' = R^T p'' - w x v.
@@ -33,13 +37,14 @@ def in_body(stamp: int, q: Vector, v: Vector, a: Vector) -> Reference:
     Args:
         stamp: [ns].
         q: (7+n,) configuration [m, -, rad].
-        v: (6+n,) [p' inertial, w desired body, joint rates]; overwritten [m/s, rad/s].
-        a: (6+n,) [p'' inertial, w' desired body, joint accelerations]; overwritten [m/s2, rad/s2].
+        v: (6+n,) [p' inertial, w desired body, joint rates] [m/s, rad/s].
+        a: (6+n,) [p'' inertial, w' desired body, joint accelerations] [m/s2, rad/s2].
     """
     attitude = q[3:7]
-    v[:3] = rotate_inverse(attitude, v[:3])
-    a[:3] = rotate_inverse(attitude, a[:3]) - cross(v[3:6], v[:3])
-    return Reference(stamp, q, v, a)
+    linear = rotate_inverse(attitude, v[:3])
+    x, y, z = rotate_inverse(attitude, a[:3])
+    cx, cy, cz = cross(v[3:6], linear)
+    return Reference(stamp, np.array(q), np.array((*linear, *v[3:])), np.array((x - cx, y - cy, z - cz, *a[3:])))
 
 
 def nanoseconds(seconds: float, key: str) -> int:

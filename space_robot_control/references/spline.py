@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
@@ -33,7 +34,7 @@ class RestToRestSpline:
             _quintic_piece(points[i : i + 2], h * v[i : i + 2], h * h * a[i : i + 2]) for i, h in enumerate(self._spans)
         ]
 
-    def at(self, time: float) -> tuple[Vector, Vector, Vector]:
+    def at(self, time: float) -> list[list[float]]:
         """Return value, first and second derivative (k,) at a time within the spline [s]."""
         i = min(max(bisect_right(self._times, time) - 1, 0), len(self._pieces) - 1)
         h = self._spans[i]
@@ -44,8 +45,7 @@ class RestToRestSpline:
             (0.0, 1.0 / h, 2.0 * t / h, 3.0 * t2 / h, 4.0 * t3 / h, 5.0 * t2 * t2 / h),
             (0.0, 0.0, 2.0 / (h * h), 6.0 * t / (h * h), 12.0 * t2 / (h * h), 20.0 * t3 / (h * h)),
         )
-        value, first, second = np.array(powers) @ self._pieces[i]
-        return value, first, second
+        return cast("list[list[float]]", (np.array(powers) @ self._pieces[i]).tolist())
 
     def bounds(self) -> tuple[Vector, Vector]:
         """Return the smallest and the largest value (k,) over the whole spline."""

@@ -6,10 +6,10 @@ from math import degrees, radians
 
 import numpy as np
 
-from space_robot_control.joints import joint_values
 from space_robot_control.references.spec import Target
 from space_robot_control.rotations import from_rpy, normalized
 from space_robot_description.robot import Robot
+from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector, vector
 
@@ -52,11 +52,11 @@ def configuration(target: Target, robot: Robot, previous: Vector, key: str) -> V
     if target.quaternion is not None:
         q[3:7] = normalized(target.quaternion, f"{key}.quaternion")
     if target.joints is not None:
-        q[7:] = joint_values(target.joints, robot.joint_names, f"{key}.joints", rest=q[7:])
+        q[7:] = expand(target.joints, robot.joint_names, f"{key}.joints", q[7:].tolist())
         check_limits(q[7:], q[7:], robot, f"{key}.joints")
     if target.joints_deg is not None:
-        rest = np.degrees(q[7:])
-        q[7:] = np.radians(joint_values(target.joints_deg, robot.joint_names, f"{key}.joints_deg", rest=rest))
+        rest = np.degrees(q[7:]).tolist()
+        q[7:] = np.radians(expand(target.joints_deg, robot.joint_names, f"{key}.joints_deg", rest))
         check_limits(q[7:], q[7:], robot, f"{key}.joints_deg", in_degrees=True)
     return q
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,14 +36,12 @@ class Waypoints:
     def __init__(self, stamps: Sequence[int], configurations: Sequence[Vector], spline: bool = False) -> None:
         if len(stamps) < 2 or len(stamps) != len(configurations):
             raise SpecError("too few waypoints", key="stamps", value=len(stamps), accepted="two or more, one for each")
-        if any(later <= earlier for earlier, later in zip(stamps[:-1], stamps[1:], strict=True)):
+        if any(later <= earlier for earlier, later in pairwise(stamps)):
             raise SpecError("times do not increase", key="stamps", value=list(stamps), accepted="increasing [ns]")
         self._stamps = list(stamps)
         self._legs = [
             PointToPoint(first, last, begin, end - begin)
-            for first, last, begin, end in zip(
-                configurations[:-1], configurations[1:], stamps[:-1], stamps[1:], strict=True
-            )
+            for (first, last), (begin, end) in zip(pairwise(configurations), pairwise(stamps), strict=True)
         ]
         self.spline: RestToRestSpline | None = None
         if spline:
@@ -55,8 +54,8 @@ class Waypoints:
         q, v, a = self._legs[leg].motion(stamp)
         if self.spline is not None and self._stamps[0] < stamp < self._stamps[-1]:
             x, dx, ddx = self.spline.at((stamp - self._stamps[0]) / NANOSECONDS)
-            q[:3], v[:3], a[:3] = x[:3], dx[:3], ddx[:3]
-            q[7:], v[6:], a[6:] = x[3:], dx[3:], ddx[3:]
+            q = [*x[:3], *q[3:7], *x[3:]]
+            v, a = [*dx[:3], *v[3:6], *dx[3:]], [*ddx[:3], *a[3:6], *ddx[3:]]
         return in_body(stamp, q, v, a)
 
 
