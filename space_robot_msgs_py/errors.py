@@ -1,4 +1,4 @@
-"""One base error; every class is also the builtin a caller would expect, and carries key, value and what is accepted."""
+"""One base error; every class is also the builtin a caller would expect, and carries key, value and accepted."""
 
 from __future__ import annotations
 

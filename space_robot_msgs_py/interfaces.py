@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite
 from typing import Any, Protocol
 
 import numpy as np
@@ -38,8 +37,8 @@ def vector(values: npt.ArrayLike, size: int | None, key: str) -> Vector:
     out = np.array(values, dtype=np.float64)
     if out.ndim != 1 or (size is not None and out.size != size):
         raise CommandError("wrong size", key=key, value=out.shape, accepted=f"a vector of {size} numbers")
-    # A sum is finite only if (almost always) all terms are; the slow exact test runs only when it is not.
-    if not isfinite(out.sum()) and not np.isfinite(out).all():
+    # A byte search costs a third of .all(), and unlike a sum it neither overflows nor warns about inf - inf.
+    if b"\0" in np.isfinite(out).tobytes():
         raise NonFiniteError("not a finite number", key=key, value=out.tolist(), accepted="finite numbers")
     out.flags.writeable = False
     return out
