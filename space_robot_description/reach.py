@@ -1,0 +1,97 @@
+"""How far the arm gets: an upper bound from link lengths and a lower bound from sampled postures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.interfaces import Vector
+
+SAMPLES = 2000
+SEED = 20230517
+
+
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """Largest distance of the tool from the first joint of its chain [m]; the truth lies between the two.
+
+    Attributes:
+        sum_bound: distances between successive joint origins added up, prismatic joints at full travel: never exceeded
+            (infinite with an unlimited prismatic joint).
+        sampled: found among 2000 uniform postures inside the joint limits and at home, then improved joint by joint.
+    """
+
+    sum_bound: float
+    sampled: float
+
+
+def reach_of(robot: Robot) -> Reach:
+    """Reach of ``robot.tool_frame``; deterministic."""
+    chain = _chain(robot)
+    if not chain:
+        return Reach(0.0, 0.0)
+    return Reach(_sum_bound(robot, chain), _sampled(robot, chain))
+
+
+def _tool(robot: Robot) -> tuple[int, Vector]:
+    frame = robot.model.frames[robot.model.getFrameId(robot.tool_frame, pin.FrameType.BODY)]
+    return int(frame.parentJoint), frame.placement.translation
+
+
+def _chain(robot: Robot) -> list[int]:
+    """Model indices of the joints from the arm's root to the tool."""
+    index, chain = _tool(robot)[0], []
+    while index > 1:
+        chain.append(index)
+        index = int(robot.model.parents[index])
+    return chain[::-1]
+
+
+def _sum_bound(robot: Robot, chain: list[int]) -> float:
+    steps = [robot.model.jointPlacements[index].translation for index in chain[1:]]
+    total = float(sum(np.linalg.norm(step) for step in [*steps, _tool(robot)[1]]))
+    for index in chain:
+        if robot.model.joints[index].shortname().startswith("JointModelP"):
+            total += float(max(abs(robot.joint_lower[index - 2]), abs(robot.joint_upper[index - 2])))
+    return total
+
+
+def _sampled(robot: Robot, chain: list[int]) -> float:
+    lower = np.maximum(robot.joint_lower, -np.pi)
+    upper = np.minimum(robot.joint_upper, np.pi)
+    # Limits that lie beyond a turn or on one side of it: keep the interval, sample the first turn of it.
+    lower, upper = np.minimum(lower, robot.joint_upper), np.maximum(upper, robot.joint_lower)
+    postures = np.random.default_rng(SEED).uniform(lower, upper, size=(SAMPLES, robot.n))
+    distances = _Distances(robot, chain[0])
+    candidates = [robot.home.copy(), *postures]
+    best = max(candidates, key=distances)
+    for _ in range(2):
+        for index in [joint - 2 for joint in chain]:
+            trials = [best]
+            for value in np.linspace(lower[index], upper[index], 73):
+                trial = best.copy()
+                trial[index] = value
+                trials.append(trial)
+            best = max(trials, key=distances)
+    return distances(best)
+
+
+class _Distances:
+    """Distance of the tool from the origin of the first joint, as a function of the joint positions."""
+
+    def __init__(self, robot: Robot, first: int) -> None:
+        self._model, self._data, self._first = robot.model, robot.model.createData(), first
+        self._joint, self._offset = _tool(robot)
+        self._q = pin.neutral(robot.model)
+
+    def __call__(self, joints: Vector) -> float:
+        self._q[7:] = joints
+        pin.forwardKinematics(self._model, self._data, self._q)
+        tool = self._data.oMi[self._joint].act(self._offset)
+        # A first joint that slides takes its frame along; its placement on the parent stands still.
+        parent = self._data.oMi[self._model.parents[self._first]]
+        root = parent.act(self._model.jointPlacements[self._first].translation)
+        return float(np.linalg.norm(tool - root))
