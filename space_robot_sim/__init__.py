@@ -1,0 +1,1 @@
+"""What happens: the true robot with its actuators and sensors. ROS only in `nodes`."""

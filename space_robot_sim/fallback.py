@@ -1,0 +1,183 @@
+"""The same equations and steps over ``pin.aba`` in NumPy, for machines without numba and as a check on the kernel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.arrays import RobotArrays
+from space_robot_sim.kernel.rhs import (
+    BEGIN,
+    COULOMB,
+    COULOMB_VELOCITY,
+    END,
+    FORCE,
+    LAG,
+    RATE,
+    STORED,
+    TORQUE,
+    VISCOUS,
+    Drive,
+    Scratch,
+)
+from space_robot_sim.kernel.steps import (
+    DONE,
+    DOP853_ADAPTIVE,
+    NOT_FINITE,
+    RK4,
+    STEP_BOUND,
+    TOO_MANY_STEPS,
+    Stepping,
+    step_factor,
+)
+from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
+
+
+class PinocchioIntegrator:
+    """Integrates one control period; the counterpart of `kernel.steps.integrate`.
+
+    Args:
+        model: ``pin.Model`` of the robot, free-flyer root, no gravity.
+        robot: the same robot as arrays, for its motors.
+    """
+
+    def __init__(self, model: Any, robot: RobotArrays) -> None:
+        self._model, self._data = model, model.createData()
+        self._lag, self._viscous = robot.motors[:, LAG], robot.motors[:, VISCOUS]
+        self._coulomb, self._coulomb_velocity = robot.motors[:, COULOMB], robot.motors[:, COULOMB_VELOCITY]
+        self._ideal = not robot.motors[:, :COULOMB_VELOCITY].any()
+        # Without gravity the dynamics do not depend on the pose of the base: pinocchio sees it at the origin.
+        self._q = pin.neutral(model)
+        self._tau = np.zeros(model.nv)
+
+    def integrate(self, drive: Drive, count: int, how: Stepping, y: Vector, memory: Scratch) -> int:
+        """Take y through ``count`` segments, leave dy/dt at the end in ``memory.slope``; returns a status."""
+        status = DONE
+        with np.errstate(over="ignore", invalid="ignore"):
+            budget = STEP_BOUND
+            for k in range(count):
+                if how.method == DOP853_ADAPTIVE:
+                    budget = self._adaptive(drive, k, how, y, memory.stages, budget)
+                    if budget <= 0:
+                        status = TOO_MANY_STEPS
+                        break
+                else:
+                    self._fixed(drive, k, how, y, memory.stages)
+            memory.slope[:] = self.slope(drive, count - 1, float(drive.segments[count - 1, END]), y)
+            finite = bool(np.isfinite(y.sum() + memory.slope.sum()))
+        return status if finite else NOT_FINITE
+
+    def slope(self, drive: Drive, k: int, t: float, y: Vector) -> Vector:
+        """dy/dt in segment k, t seconds after the beginning of the period."""
+        n = self._model.nv - 6
+        # Three-vectors as Python floats: NumPy's overhead on so little would cost ten times the dynamics.
+        segment, pose, twist = drive.segments[k].tolist(), y[:7].tolist(), y[7 + n : 13 + n].tolist()
+        v, omega, rates = twist[:3], twist[3:], y[13 + n : 13 + 2 * n]
+        force, torque, rate = segment[FORCE:TORQUE], segment[TORQUE:RATE], segment[RATE:STORED]
+        momentum = [h + (t - segment[BEGIN]) * dh for h, dh in zip(segment[STORED:], rate, strict=True)]
+        gyroscopic = _cross(omega, momentum)
+        effort = self._effort(drive, t, rates)
+        self._tau[:3], self._tau[6:] = force, effort
+        self._tau[3:6] = [torque[i] - rate[i] - gyroscopic[i] for i in range(3)]
+        self._q[7:] = y[7 : 7 + n]
+        dy = np.empty_like(y)
+        dy[7 + n : 13 + 2 * n] = pin.aba(self._model, self._data, self._q, y[7 + n : 13 + 2 * n], self._tau)
+        dy[:3] = _turn(pose[3:], v)
+        dy[3:7] = _quaternion_rate(pose[3:], omega)
+        dy[7 : 7 + n] = rates
+        inertial, moment = _turn(pose[3:], force), _turn(pose[3:], torque)
+        arm = _cross(pose[:3], inertial)
+        dy[13 + 2 * n] = effort @ rates + sum(force[i] * v[i] + (torque[i] - rate[i]) * omega[i] for i in range(3))
+        dy[14 + 2 * n : 17 + 2 * n] = inertial
+        dy[17 + 2 * n :] = [arm[i] + moment[i] for i in range(3)]
+        return dy
+
+    def _effort(self, drive: Drive, t: float, rates: Vector) -> Vector:
+        """Motor effort less friction."""
+        if self._ideal:
+            return drive.effort
+        gone = np.where(self._lag > 0.0, np.exp(-t / np.where(self._lag > 0.0, self._lag, 1.0)), 0.0)
+        motor = drive.effort + (drive.start_effort - drive.effort) * gone
+        out: Vector = motor - self._viscous * rates - self._coulomb * np.tanh(rates / self._coulomb_velocity)
+        return out
+
+    def _fixed(self, drive: Drive, k: int, how: Stepping, y: Vector, stages: Vector) -> None:
+        begin, end = float(drive.segments[k, BEGIN]), float(drive.segments[k, END])
+        count = max(1, math.ceil((end - begin) / how.step - 1e-9))
+        h = (end - begin) / count
+        for index in range(count):
+            t = begin + index * h
+            y[:] = self._rk4(drive, k, t, h, y) if how.method == RK4 else self._dop853(drive, k, t, h, y, stages, 0)
+
+    def _dop853(self, drive: Drive, k: int, t: float, h: float, y: Vector, stages: Vector, first: int) -> Vector:
+        for s in range(first, STAGES):
+            stages[s] = self.slope(drive, k, t + C[s] * h, y + h * (A[s, :s] @ stages[:s]))
+        return y + h * (B @ stages)
+
+    def _rk4(self, drive: Drive, k: int, t: float, h: float, y: Vector) -> Vector:
+        k1 = self.slope(drive, k, t, y)
+        k2 = self.slope(drive, k, t + 0.5 * h, y + 0.5 * h * k1)
+        k3 = self.slope(drive, k, t + 0.5 * h, y + 0.5 * h * k2)
+        k4 = self.slope(drive, k, t + h, y + h * k3)
+        return y + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
+
+    def _adaptive(self, drive: Drive, k: int, how: Stepping, y: Vector, stages: Vector, budget: int) -> int:
+        t, end, first, most = float(drive.segments[k, BEGIN]), float(drive.segments[k, END]), 0, 5.0
+        wish = float(how.next_step[0]) or end - t
+        while t < end:
+            budget -= 1
+            h = min(wish, end - t)
+            if budget <= 0 or t + h == t:
+                return 0
+            new = self._dop853(drive, k, t, h, y, stages, first)
+            error = _step_error(h, how, y, new, stages)
+            factor = step_factor(error, most)
+            if error <= 1.0:
+                t = end if h == end - t else t + h
+                y[:] = new
+                wish = max(wish, h * factor) if h < wish else h * factor
+                first, most = 0, 5.0
+            else:
+                wish, first, most = h * factor, 1, 1.0
+        how.next_step[0] = wish
+        return budget
+
+
+def _step_error(h: float, how: Stepping, y: Vector, new: Vector, stages: Vector) -> float:
+    scale = how.atol + how.rtol * np.maximum(np.abs(y), np.abs(new))
+    sum_5 = float(np.sum((ERROR_5 @ stages / scale) ** 2))
+    sum_3 = float(np.sum((ERROR_3 @ stages / scale) ** 2))
+    if sum_5 == 0.0 and sum_3 == 0.0:
+        return 0.0
+    return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.size)
+
+
+def _cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _turn(quaternion: Sequence[float], a: Sequence[float]) -> tuple[float, float, float]:
+    """A body vector in the inertial frame, by the rotation matrix of the quaternion."""
+    x, y, z, w = quaternion
+    return (
+        (1.0 - 2.0 * (y * y + z * z)) * a[0] + 2.0 * (x * y - z * w) * a[1] + 2.0 * (x * z + y * w) * a[2],
+        2.0 * (x * y + z * w) * a[0] + (1.0 - 2.0 * (x * x + z * z)) * a[1] + 2.0 * (y * z - x * w) * a[2],
+        2.0 * (x * z - y * w) * a[0] + 2.0 * (y * z + x * w) * a[1] + (1.0 - 2.0 * (x * x + y * y)) * a[2],
+    )
+
+
+def _quaternion_rate(quaternion: Sequence[float], omega: Sequence[float]) -> tuple[float, float, float, float]:
+    """1/2 q omega."""
+    x, y, z, w = quaternion
+    a, b, c = omega
+    return (
+        0.5 * (w * a + y * c - z * b),
+        0.5 * (w * b + z * a - x * c),
+        0.5 * (w * c + x * b - y * a),
+        -0.5 * (x * a + y * b + z * c),
+    )

@@ -1,0 +1,102 @@
+"""Momentum and kinetic energy of the whole robot in one pass from the base out."""
+
+from __future__ import annotations
+
+import math
+
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.aba import place
+from space_robot_sim.kernel.arrays import INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, RobotArrays
+from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.spatial import (
+    Vec,
+    add,
+    cross,
+    dot,
+    get3,
+    get6,
+    get9,
+    mul,
+    mul_sym,
+    mul_t,
+    product,
+    put3,
+    rotation,
+    scaled,
+)
+
+# What `balance` writes: momentum about the inertial origin, energy, sums of the bodies' own magnitudes.
+LINEAR, ANGULAR, ENERGY, GROSS_LINEAR, GROSS_ANGULAR, BALANCE_SIZE = 0, 3, 6, 7, 8, 9
+_W, _V, _TURN, _PLACE = 12, 15, 18, 27
+
+
+@kernel
+def balance(robot: RobotArrays, y: Vector, axes: Vector, wheels: Vector, work: Vector, out: Vector) -> None:
+    """Momentum about the inertial origin with the wheels', kinetic energy without their spin, and gross momenta.
+
+    Args:
+        robot: the robot.
+        y: state; its quaternion is unit.
+        axes: (3, k) wheel axes, body frame.
+        wheels: (k,) momentum of each wheel relative to the body [N m s].
+        work: (1+n, WORKSPACE) scratch.
+        out: (9,) receives linear(3), angular(3), energy, and the sums over bodies of |m v| and |angular momentum|.
+    """
+    for k in range(BALANCE_SIZE):
+        out[k] = 0.0
+    for body in range(robot.links.shape[0]):
+        _move(robot, body, y, work)
+        _account(robot.links, body, work, out)
+    for wheel in range(wheels.shape[0]):
+        spin = scaled(wheels[wheel], mul(get9(work, 0, _TURN), (axes[0, wheel], axes[1, wheel], axes[2, wheel])))
+        _add_angular(out, spin)
+
+
+@kernel
+def _move(robot: RobotArrays, body: int, y: Vector, work: Vector) -> None:
+    """Velocity of a body in its own frame, its rotation and place in the inertial one."""
+    bodies = robot.links.shape[0]
+    if body == 0:
+        k = 6 + bodies
+        v, w = (y[k], y[k + 1], y[k + 2]), (y[k + 3], y[k + 4], y[k + 5])
+        turn, origin = rotation(y[3], y[4], y[5], y[6]), (y[0], y[1], y[2])
+    else:
+        place(robot, body, y[6 + body], work)
+        above = robot.tree[body, PARENT]
+        relative, shift, w_above = get9(work, body, 0), get3(work, body, ORIGIN), get3(work, above, _W)
+        turn_above = get9(work, above, _TURN)
+        turn, origin = product(turn_above, relative), add(get3(work, above, _PLACE), mul(turn_above, shift))
+        w = mul_t(relative, w_above)
+        v = mul_t(relative, add(get3(work, above, _V), cross(w_above, shift)))
+        rate = y[12 + bodies + body - 1]
+        if robot.tree[body, PRISMATIC]:
+            v = (v[0], v[1], v[2] + rate)
+        else:
+            w = (w[0], w[1], w[2] + rate)
+    put3(work, body, _W, w)
+    put3(work, body, _V, v)
+    for k in range(9):
+        work[body, _TURN + k] = turn[k]
+    put3(work, body, _PLACE, origin)
+
+
+@kernel
+def _account(links: Vector, body: int, work: Vector, out: Vector) -> None:
+    """Add one body's share to every sum."""
+    v, w, moment = get3(work, body, _V), get3(work, body, _W), get3(links, body, MOMENT)
+    linear = add(scaled(links[body, MASS], v), cross(w, moment))
+    angular = add(mul_sym(get6(links, body, INERTIA), w), cross(moment, v))
+    out[ENERGY] += 0.5 * (dot(v, linear) + dot(w, angular))
+    turn = get9(work, body, _TURN)
+    linear = mul(turn, linear)
+    for k in range(3):
+        out[LINEAR + k] += linear[k]
+    out[GROSS_LINEAR] += math.sqrt(dot(linear, linear))
+    _add_angular(out, add(mul(turn, angular), cross(get3(work, body, _PLACE), linear)))
+
+
+@kernel
+def _add_angular(out: Vector, angular: Vec) -> None:
+    for k in range(3):
+        out[ANGULAR + k] += angular[k]
+    out[GROSS_ANGULAR] += math.sqrt(dot(angular, angular))

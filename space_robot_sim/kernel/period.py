@@ -1,0 +1,123 @@
+"""One control period from command to telemetry, in one call."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.allocation import Allocation, Capability, allocate, allocation
+from space_robot_sim.kernel.arrays import RobotArrays
+from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.momentum import (
+    ANGULAR,
+    BALANCE_SIZE,
+    ENERGY,
+    GROSS_ANGULAR,
+    GROSS_LINEAR,
+    LINEAR,
+    balance,
+)
+from space_robot_sim.kernel.rhs import LAG, QUADRATURES, Drive, Scratch, motor_effort, scratch
+from space_robot_sim.kernel.steps import DONE, Stepping, integrate
+
+GAUGES = 7
+
+
+class Flight(NamedTuple):
+    """The plant between two periods, and the memory to get from one to the next.
+
+    Attributes:
+        y: (20+2n,) state, see `kernel.rhs`.
+        wheels: (k,) wheel momenta relative to the body [N m s].
+        motors: (n,) efforts the motors give at this instant.
+        effort: (n,) their mean over the period that just ended.
+        initial: (9,) balance at the start of the run.
+        now: (9,) balance at this instant.
+        largest: (3,) largest gross linear and angular momentum and energy or work so far.
+        gauges: (7,) residuals of linear and angular momentum, energy, quaternion; acceleration of the base origin(3).
+        scratch: memory.
+        allocation: memory.
+    """
+
+    y: npt.NDArray[np.float64]
+    wheels: npt.NDArray[np.float64]
+    motors: npt.NDArray[np.float64]
+    effort: npt.NDArray[np.float64]
+    initial: npt.NDArray[np.float64]
+    now: npt.NDArray[np.float64]
+    largest: npt.NDArray[np.float64]
+    gauges: npt.NDArray[np.float64]
+    scratch: Scratch
+    allocation: Allocation
+
+
+def flight(joints: int, wheels: int) -> Flight:
+    """Memory for a robot with that many joints and wheels."""
+    y = np.zeros(13 + 2 * joints + QUADRATURES)
+    books = np.zeros(BALANCE_SIZE), np.zeros(BALANCE_SIZE), np.zeros(3), np.zeros(GAUGES)
+    motors, effort = np.zeros(joints), np.zeros(joints)
+    return Flight(y, np.zeros(wheels), motors, effort, *books, scratch(joints), allocation(joints, wheels))
+
+
+@kernel
+def fly(robot: RobotArrays, able: Capability, how: Stepping, command: Vector, period: float, plant: Flight) -> int:
+    """One control period [s] under a command (6+n,); returns the status of `integrate`."""
+    count = allocate(able, command, period, plant.wheels, plant.allocation)
+    drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
+    status = integrate(robot, drive, count, how, plant.y, plant.scratch)
+    if status == DONE:
+        settle(robot, able, period, plant)
+    return status
+
+
+@kernel
+def settle(robot: RobotArrays, able: Capability, period: float, plant: Flight) -> None:
+    """After the integration of a period: unit quaternion, motors and wheels at its end, the books."""
+    y = plant.y
+    norm = math.sqrt(y[3] * y[3] + y[4] * y[4] + y[5] * y[5] + y[6] * y[6])
+    plant.gauges[3] = abs(norm - 1.0)
+    for k in range(3, 7):
+        y[k] /= norm
+    for joint in range(plant.motors.shape[0]):
+        asked, start, lag = plant.allocation.effort[joint], plant.motors[joint], robot.motors[joint, LAG]
+        plant.motors[joint] = motor_effort(asked, start, lag, period)
+        late = (start - asked) * lag * -math.expm1(-period / lag) / period if lag > 0.0 else 0.0
+        plant.effort[joint] = asked + late
+    limit = able.wheel_limit[1]
+    for wheel in range(plant.wheels.shape[0]):
+        rate, stop = plant.allocation.level[6 + wheel], plant.allocation.stop[6 + wheel]
+        plant.wheels[wheel] = max(-limit, min(limit, plant.wheels[wheel] + rate * stop))
+    keep_books(robot, able, plant)
+
+
+@kernel
+def keep_books(robot: RobotArrays, able: Capability, plant: Flight) -> None:
+    """Balance at this instant, its residuals against the start of the run, and the base's acceleration."""
+    y, now, initial, largest, gauges = plant.y, plant.now, plant.initial, plant.largest, plant.gauges
+    n = plant.motors.shape[0]
+    work = 13 + 2 * n
+    balance(robot, y, able.axes, plant.wheels, plant.scratch.bodies, now)
+    largest[0] = max(largest[0], now[GROSS_LINEAR])
+    largest[1] = max(largest[1], now[GROSS_ANGULAR])
+    largest[2] = max(largest[2], max(now[ENERGY], abs(y[work])))
+    linear, angular = 0.0, 0.0
+    for k in range(3):
+        linear += (now[LINEAR + k] - initial[LINEAR + k] - y[work + 1 + k]) ** 2
+        angular += (now[ANGULAR + k] - initial[ANGULAR + k] - y[work + 4 + k]) ** 2
+    gauges[0] = _relative(math.sqrt(linear), largest[0])
+    gauges[1] = _relative(math.sqrt(angular), largest[1])
+    gauges[2] = _relative(abs(now[ENERGY] - initial[ENERGY] - y[work]), largest[2])
+    slope = plant.scratch.slope
+    v, w = (y[7 + n], y[8 + n], y[9 + n]), (y[10 + n], y[11 + n], y[12 + n])
+    gauges[4] = slope[7 + n] + w[1] * v[2] - w[2] * v[1]
+    gauges[5] = slope[8 + n] + w[2] * v[0] - w[0] * v[2]
+    gauges[6] = slope[9 + n] + w[0] * v[1] - w[1] * v[0]
+
+
+@kernel
+def _relative(error: float, scale: float) -> float:
+    return error / scale if scale > 0.0 else 0.0

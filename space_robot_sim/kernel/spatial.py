@@ -1,0 +1,165 @@
+"""Three-vectors, symmetric and general 3x3 matrices as tuples of scalars, which compiled code keeps in registers.
+
+A symmetric matrix is (xx, xy, xz, yy, yz, zz); a general one is its nine elements row by row.
+"""
+
+from __future__ import annotations
+
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.jit import kernel
+
+Vec = tuple[float, float, float]
+Sym = tuple[float, float, float, float, float, float]
+Mat = tuple[float, float, float, float, float, float, float, float, float]
+
+
+@kernel
+def get3(rows: Vector, i: int, k: int) -> Vec:
+    """Three numbers of row i from column k."""
+    return rows[i, k], rows[i, k + 1], rows[i, k + 2]
+
+
+@kernel
+def get6(rows: Vector, i: int, k: int) -> Sym:
+    """Six numbers of row i from column k."""
+    return rows[i, k], rows[i, k + 1], rows[i, k + 2], rows[i, k + 3], rows[i, k + 4], rows[i, k + 5]
+
+
+@kernel
+def get9(rows: Vector, i: int, k: int) -> Mat:
+    """Nine numbers of row i from column k."""
+    return (
+        rows[i, k],
+        rows[i, k + 1],
+        rows[i, k + 2],
+        rows[i, k + 3],
+        rows[i, k + 4],
+        rows[i, k + 5],
+        rows[i, k + 6],
+        rows[i, k + 7],
+        rows[i, k + 8],
+    )
+
+
+@kernel
+def put3(rows: Vector, i: int, k: int, a: Vec) -> None:
+    """Store three numbers in row i from column k."""
+    rows[i, k], rows[i, k + 1], rows[i, k + 2] = a
+
+
+@kernel
+def add(a: Vec, b: Vec) -> Vec:
+    """Sum of two vectors."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@kernel
+def scaled(s: float, a: Vec) -> Vec:
+    """A vector times a number."""
+    return s * a[0], s * a[1], s * a[2]
+
+
+@kernel
+def dot(a: Vec, b: Vec) -> float:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def cross(a: Vec, b: Vec) -> Vec:
+    """Scalar product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@kernel
+def mul(m: Mat, a: Vec) -> Vec:
+    """M a."""
+    return (
+        m[0] * a[0] + m[1] * a[1] + m[2] * a[2],
+        m[3] * a[0] + m[4] * a[1] + m[5] * a[2],
+        m[6] * a[0] + m[7] * a[1] + m[8] * a[2],
+    )
+
+
+@kernel
+def mul_t(m: Mat, a: Vec) -> Vec:
+    """M^T a."""
+    return (
+        m[0] * a[0] + m[3] * a[1] + m[6] * a[2],
+        m[1] * a[0] + m[4] * a[1] + m[7] * a[2],
+        m[2] * a[0] + m[5] * a[1] + m[8] * a[2],
+    )
+
+
+@kernel
+def mul_sym(s: Sym, a: Vec) -> Vec:
+    """S a of a symmetric S."""
+    return (
+        s[0] * a[0] + s[1] * a[1] + s[2] * a[2],
+        s[1] * a[0] + s[3] * a[1] + s[4] * a[2],
+        s[2] * a[0] + s[4] * a[1] + s[5] * a[2],
+    )
+
+
+@kernel
+def product(a: Mat, b: Mat) -> Mat:
+    """A B."""
+    c0 = mul(a, (b[0], b[3], b[6]))
+    c1 = mul(a, (b[1], b[4], b[7]))
+    c2 = mul(a, (b[2], b[5], b[8]))
+    return c0[0], c1[0], c2[0], c0[1], c1[1], c2[1], c0[2], c1[2], c2[2]
+
+
+@kernel
+def turned(r: Mat, m: Mat) -> Mat:
+    """R M R^T."""
+    rows = product(r, m)
+    c0 = mul(rows, (r[0], r[1], r[2]))
+    c1 = mul(rows, (r[3], r[4], r[5]))
+    c2 = mul(rows, (r[6], r[7], r[8]))
+    return c0[0], c1[0], c2[0], c0[1], c1[1], c2[1], c0[2], c1[2], c2[2]
+
+
+@kernel
+def turned_sym(r: Mat, s: Sym) -> Sym:
+    """R S R^T of a symmetric S."""
+    x, y, z = (r[0], r[1], r[2]), (r[3], r[4], r[5]), (r[6], r[7], r[8])
+    sx, sy, sz = mul_sym(s, x), mul_sym(s, y), mul_sym(s, z)
+    return dot(x, sx), dot(x, sy), dot(x, sz), dot(y, sy), dot(y, sz), dot(z, sz)
+
+
+@kernel
+def factor(s: Sym) -> Sym:
+    """L D L^T of a positive definite S as (1/d0, l10, l20, 1/d1, l21, 1/d2)."""
+    i0 = 1.0 / s[0]
+    l10, l20 = s[1] * i0, s[2] * i0
+    i1 = 1.0 / (s[3] - l10 * s[1])
+    e = s[4] - l10 * s[2]
+    l21 = e * i1
+    return i0, l10, l20, i1, l21, 1.0 / (s[5] - l20 * s[2] - l21 * e)
+
+
+@kernel
+def solve(f: Sym, b: Vec) -> Vec:
+    """S^-1 b with ``f = factor(S)``."""
+    y1 = b[1] - f[1] * b[0]
+    y2 = b[2] - f[2] * b[0] - f[4] * y1
+    z = y2 * f[5]
+    y = y1 * f[3] - f[4] * z
+    return b[0] * f[0] - f[1] * y - f[2] * z, y, z
+
+
+@kernel
+def rotation(x: float, y: float, z: float, w: float) -> Mat:
+    """Rotation matrix of a unit quaternion."""
+    return (
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - z * w),
+        2.0 * (x * z + y * w),
+        2.0 * (x * y + z * w),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - x * w),
+        2.0 * (x * z - y * w),
+        2.0 * (y * z + x * w),
+        1.0 - 2.0 * (x * x + y * y),
+    )

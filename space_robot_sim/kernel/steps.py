@@ -1,0 +1,165 @@
+"""One control period by fixed or error-controlled steps that never cross the edge of a segment."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.arrays import RobotArrays
+from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.rhs import BEGIN, END, Drive, Scratch, slope
+from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
+
+DOP853, DOP853_ADAPTIVE, RK4 = 0, 1, 2
+DONE, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2
+STEP_BOUND = 20_000
+
+
+class Stepping(NamedTuple):
+    """How to integrate.
+
+    Attributes:
+        method: DOP853, DOP853_ADAPTIVE or RK4.
+        step: longest fixed step [s].
+        rtol: relative tolerance of one adaptive step.
+        atol: absolute tolerance of one adaptive step, in the units of each state.
+        next_step: (1,) the adaptive step to try next [s]; 0: the whole segment.
+    """
+
+    method: int
+    step: float
+    rtol: float
+    atol: float
+    next_step: npt.NDArray[np.float64]
+
+
+@kernel
+def integrate(robot: RobotArrays, drive: Drive, count: int, how: Stepping, y: Vector, memory: Scratch) -> int:
+    """Take y from the beginning of the first to the end of the last of ``count`` segments; returns a status.
+
+    On return ``memory.slope`` is dy/dt at the end, under the efforts just held.
+    """
+    status, budget = DONE, STEP_BOUND
+    for k in range(count):
+        if how.method == DOP853_ADAPTIVE:
+            budget = _adaptive(robot, drive, k, how, y, memory, budget)
+            if budget <= 0:
+                status = TOO_MANY_STEPS
+                break
+        else:
+            _fixed(robot, drive, k, how, y, memory)
+    slope(robot, drive, count - 1, drive.segments[count - 1, END], y, memory.slope, memory)
+    total = 0.0
+    for i in range(y.shape[0]):
+        total += y[i] + memory.slope[i]
+    return status if math.isfinite(total) else NOT_FINITE
+
+
+@kernel
+def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch) -> None:
+    begin, end = drive.segments[k, BEGIN], drive.segments[k, END]
+    # The margin keeps round-off in the length of a segment from costing one more step.
+    count = max(1, math.ceil((end - begin) / how.step - 1e-9))
+    h = (end - begin) / count
+    for index in range(count):
+        t = begin + index * h
+        if how.method == RK4:
+            _rk4(robot, drive, k, t, h, y, memory)
+        else:
+            dop853_stages(robot, drive, k, t, h, y, memory, 0)
+            for i in range(y.shape[0]):
+                y[i] = memory.trial[i]
+
+
+@kernel
+def dop853_stages(
+    robot: RobotArrays, drive: Drive, k: int, t: float, h: float, y: Vector, memory: Scratch, first: int
+) -> None:
+    """Evaluate stages from ``first`` on (an earlier try may have left stage 0) and put the result in memory.trial."""
+    stages, trial = memory.stages, memory.trial
+    size = y.shape[0]
+    for s in range(first, STAGES):
+        for i in range(size):
+            trial[i] = y[i]
+        for j in range(s):
+            weight = h * A[s, j]
+            if weight != 0.0:
+                for i in range(size):
+                    trial[i] += weight * stages[j, i]
+        slope(robot, drive, k, t + C[s] * h, trial, stages[s], memory)
+    for i in range(size):
+        trial[i] = y[i]
+    for j in range(STAGES):
+        weight = h * B[j]
+        if weight != 0.0:
+            for i in range(size):
+                trial[i] += weight * stages[j, i]
+
+
+@kernel
+def _adaptive(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch, budget: int) -> int:
+    """Cross one segment under error control; returns what is left of the budget of steps, 0 where it ran out."""
+    t, end, first, most = drive.segments[k, BEGIN], drive.segments[k, END], 0, 5.0
+    wish = how.next_step[0] if how.next_step[0] > 0.0 else end - t
+    while t < end:
+        budget -= 1
+        h = min(wish, end - t)
+        if budget <= 0 or t + h == t:
+            return 0
+        dop853_stages(robot, drive, k, t, h, y, memory, first)
+        error = _step_error(h, how, y, memory)
+        factor = step_factor(error, most)
+        if error <= 1.0:
+            t = end if h == end - t else t + h
+            for i in range(y.shape[0]):
+                y[i] = memory.trial[i]
+            # A step cut short by the end of the segment says little about how long the next may be.
+            wish = max(wish, h * factor) if h < wish else h * factor
+            first, most = 0, 5.0
+        else:
+            wish, first, most = h * factor, 1, 1.0
+    how.next_step[0] = wish
+    return budget
+
+
+@kernel
+def step_factor(error: float, most: float) -> float:
+    """How much longer the next step may be, from the error relative to the tolerance (not a number: much shorter)."""
+    if not math.isfinite(error):
+        return 0.2
+    return min(most, max(0.2, 0.9 * error ** (-0.125))) if error > 0.0 else most
+
+
+@kernel
+def _step_error(h: float, how: Stepping, y: Vector, memory: Scratch) -> float:
+    """Error of the step relative to the tolerance (Hairer, Norsett, Wanner, sec. II.10, eq. 10.17)."""
+    sum_5, sum_3 = 0.0, 0.0
+    for i in range(y.shape[0]):
+        error_5, error_3 = 0.0, 0.0
+        for s in range(STAGES):
+            error_5 += ERROR_5[s] * memory.stages[s, i]
+            error_3 += ERROR_3[s] * memory.stages[s, i]
+        scale = how.atol + how.rtol * max(abs(y[i]), abs(memory.trial[i]))
+        sum_5 += (error_5 / scale) ** 2
+        sum_3 += (error_3 / scale) ** 2
+    if sum_5 == 0.0 and sum_3 == 0.0:
+        return 0.0
+    return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.shape[0])
+
+
+@kernel
+def _rk4(robot: RobotArrays, drive: Drive, k: int, t: float, h: float, y: Vector, memory: Scratch) -> None:
+    stages, trial = memory.stages, memory.trial
+    size = y.shape[0]
+    slope(robot, drive, k, t, y, stages[0], memory)
+    for s in range(1, 4):
+        part = h if s == 3 else 0.5 * h
+        for i in range(size):
+            trial[i] = y[i] + part * stages[s - 1, i]
+        slope(robot, drive, k, t + part, trial, stages[s], memory)
+    for i in range(size):
+        y[i] += h / 6.0 * (stages[0, i] + 2.0 * (stages[1, i] + stages[2, i]) + stages[3, i])

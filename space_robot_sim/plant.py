@@ -1,0 +1,183 @@
+"""The true robot behind the Plant protocol: command in, measured state and telemetry with the truth out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
+from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector, vector
+from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
+from space_robot_sim.fallback import PinocchioIntegrator
+from space_robot_sim.integrators import IntegratorSpec, compiled, stepping
+from space_robot_sim.kernel.allocation import allocate
+from space_robot_sim.kernel.arrays import robot_arrays
+from space_robot_sim.kernel.period import Flight, flight, fly, keep_books, settle
+from space_robot_sim.kernel.rhs import Drive, slope
+from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
+from space_robot_sim.sensors import Sensors, SensorSpec
+from space_robot_sim.telemetry import PlantTelemetry
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class InitialState:
+    """Where a run starts.
+
+    Attributes:
+        q: (7+n,) configuration [m, -, rad], as in RobotState; its quaternion is made unit.
+        v: (6+n,) velocity [m/s, rad/s].
+    """
+
+    q: Vector
+    v: Vector
+
+    def __post_init__(self) -> None:
+        q = np.array(vector(self.q, None, "initial.q"))
+        norm = float(np.linalg.norm(q[3:7]))
+        if abs(norm - 1.0) > 1e-6:
+            raise SpecError("the quaternion is not unit", key="initial.q", value=norm, accepted="norm 1")
+        q[3:7] /= norm
+        object.__setattr__(self, "q", vector(q, None, "initial.q"))
+        object.__setattr__(self, "v", vector(self.v, q.size - 1, "initial.v"))
+
+
+class SimulatedRobot:
+    """The true robot with its actuators and sensors.
+
+    Args:
+        robot: the truth.
+        control_period: [ns].
+        initial: where a run starts.
+        integrator: how it is integrated.
+        sensors: what is seen of it.
+        seed: of the sensors' noise.
+        delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
+        hold: what acts in place of a missing command: nothing, or the last one.
+
+    Raises:
+        SpecError: an argument does not fit the robot or the period.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        control_period: int,
+        initial: InitialState,
+        integrator: IntegratorSpec | None = None,
+        sensors: SensorSpec | None = None,
+        seed: int = 0,
+        delay_periods: Literal[0, 1] = 0,
+        hold: Literal["zero", "last"] = "zero",
+    ) -> None:
+        if initial.q.size != 7 + robot.n:
+            raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
+        if control_period <= 0:
+            raise SpecError("not positive", key="control_period", value=control_period, accepted="nanoseconds > 0")
+        spec = integrator or IntegratorSpec()
+        self._initial, self._delay, self._hold_last = initial, delay_periods, hold == "last"
+        self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
+        self._arrays = robot_arrays(robot.model, motor_numbers(robot))
+        self._able = capability(robot, control_period)
+        self._how = stepping(spec, self._arrays, control_period)
+        self._fallback = None if compiled(spec) else PinocchioIntegrator(robot.model, self._arrays)
+        self._wheels = initial_wheels(robot)
+        self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
+        self._telemetry = PlantTelemetry(robot, self._wheels.size)
+        self._flight = flight(robot.n, self._wheels.size)
+        self.reset()
+
+    def reset(self) -> PlantSample:
+        """Return to the initial state and show it (stamp 0)."""
+        for array in (self._flight.motors, self._flight.effort, self._flight.largest, self._how.next_step):
+            array[:] = 0.0
+        self._flight.y[:] = 0.0
+        self._flight.y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
+        self._flight.wheels[:] = self._wheels
+        self._stamp = 0
+        self._held = np.zeros(6 + self._n)
+        self._waiting = np.zeros(6 + self._n)
+        self._sensors.reset()
+        self._rest()
+        return self._show(self._held)
+
+    def step(self, command: Command | None) -> PlantSample:
+        """Advance one control period under the command (None: the hold) and show the state at its end.
+
+        Raises:
+            CommandError: the command is not for this many joints.
+            IntegrationError: the state stopped being finite, or the tolerance cannot be kept.
+        """
+        acting = self._accept(command)
+        if self._delay:
+            acting, self._waiting = self._waiting, acting
+        status = self._advance(acting)
+        self._stamp += self._period
+        if status != DONE:
+            raise self._failure(status)
+        return self._show(acting)
+
+    def _accept(self, command: Command | None) -> Vector:
+        if command is None:
+            return self._held if self._hold_last else np.zeros(6 + self._n)
+        if command.effort.size != self._n:
+            raise CommandError("wrong size", key="command.effort", value=command.effort.size, accepted=f"{self._n}")
+        self._held = command.u
+        return self._held
+
+    def _advance(self, acting: Vector) -> int:
+        plant = self._flight
+        if self._fallback is None:
+            return fly(self._arrays, self._able, self._how, acting, self._seconds, plant)
+        count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
+        drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
+        status = self._fallback.integrate(drive, count, self._how, plant.y, plant.scratch)
+        if status == DONE:
+            settle(self._arrays, self._able, self._seconds, plant)
+        return status
+
+    def _rest(self) -> None:
+        """Balance and acceleration of the initial state, with nothing but stored wheel momentum acting."""
+        plant = self._flight
+        allocate(self._able, self._held, self._seconds, plant.wheels, plant.allocation)
+        drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
+        slope(self._arrays, drive, 0, 0.0, plant.y, plant.scratch.slope, plant.scratch)
+        keep_books(self._arrays, self._able, plant)
+        plant.initial[:] = plant.now
+        keep_books(self._arrays, self._able, plant)
+        plant.gauges[3] = 0.0
+
+    def _show(self, acting: Vector) -> PlantSample:
+        plant, n = self._flight, self._n
+        y, gauges = plant.y, plant.gauges
+        truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:])
+        return PlantSample(self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant))
+
+    def _failure(self, status: int) -> IntegrationError:
+        when = f"between {(self._stamp - self._period) / NANOSECONDS:g} s and {self._stamp / NANOSECONDS:g} s"
+        if status == TOO_MANY_STEPS:
+            return IntegrationError(
+                f"the tolerance cannot be kept {when}",
+                key="integrator",
+                accepted="a larger tolerance, slower motors or smoother friction",
+            )
+        return IntegrationError(f"not finite {when}", key=f"state.{_first_not_finite(self._flight, self._n)}")
+
+
+def _first_not_finite(plant: Flight, n: int) -> str:
+    parts = {
+        "position": slice(0, 3),
+        "attitude": slice(3, 7),
+        "joint_position": slice(7, 7 + n),
+        "linear_velocity": slice(7 + n, 10 + n),
+        "angular_velocity": slice(10 + n, 13 + n),
+        "joint_velocity": slice(13 + n, 13 + 2 * n),
+    }
+    # Of several the velocities are named: they go first, and drag the positions along.
+    for name in reversed(parts):
+        if not np.isfinite(plant.y[parts[name]]).all():
+            return name
+    return "acceleration"

@@ -1,0 +1,62 @@
+"""The labelled blocks the plant shows beside its state: the truth, its conservation laws and its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.interfaces import Telemetry, Vector
+from space_robot_sim.kernel.period import Flight
+
+
+class PlantTelemetry:
+    """Assembles one array per stamp.
+
+    Blocks: ``true_configuration`` (7+n), ``true_velocity`` (6+n), ``momentum`` (6: linear, angular about the inertial
+    origin, wheels included), ``energy`` (kinetic, without the spin of wheels), ``momentum_residual`` (2: linear,
+    angular), ``energy_residual``, ``quaternion_residual``, ``wheel_momentum`` (robots with wheels), ``applied_wrench``
+    (6, mean), ``applied_effort`` (n, mean), ``saturation`` (6+n, 0 or 1), ``joint_limit`` (n, how far outside [rad or
+    m]), ``force_ignored`` (free-floating robots: 1 if a force was commanded).
+
+    Args:
+        robot: the true robot.
+        wheels: number of its reaction wheels.
+    """
+
+    def __init__(self, robot: Robot, wheels: int) -> None:
+        n = robot.n
+        blocks = {
+            "true_configuration": 7 + n,
+            "true_velocity": 6 + n,
+            "momentum": 6,
+            "energy": 1,
+            "momentum_residual": 2,
+            "energy_residual": 1,
+            "quaternion_residual": 1,
+        }
+        if wheels:
+            blocks["wheel_momentum"] = wheels
+        blocks |= {"applied_wrench": 6, "applied_effort": n, "saturation": 6 + n, "joint_limit": n}
+        self._floating = robot.base_mode == "free_floating"
+        if self._floating:
+            blocks["force_ignored"] = 1
+        self._labels, self._sizes = tuple(blocks), tuple(blocks.values())
+        self._lower, self._upper, self._n = robot.joint_lower, robot.joint_upper, n
+
+    def of(self, stamp: int, acting: Vector, plant: Flight) -> Telemetry:
+        """Telemetry at a stamp [ns] after a period under the command ``acting`` (6+n,)."""
+        joints = plant.y[7 : 7 + self._n]
+        outside = np.maximum(np.maximum(self._lower - joints, joints - self._upper), 0.0)
+        parts = [
+            plant.y[: 13 + 2 * self._n],
+            plant.now[:7],
+            plant.gauges[:4],
+            plant.wheels,
+            plant.allocation.wrench,
+            plant.effort,
+            plant.allocation.saturated,
+            outside,
+        ]
+        if self._floating:
+            parts.append(np.array([float(acting[:3].any())]))
+        return Telemetry(stamp, self._labels, self._sizes, np.concatenate(parts))
