@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from space_robot_msgs_py.log_preamble import log_name
 from space_robot_msgs_py.qos import qos_of
 from space_robot_msgs_py.topics import TABLE, Kind, Topic
@@ -79,7 +81,7 @@ def _offer(topic: Topic) -> tuple[str, str, str]:
     return offer.reliability.upper(), offer.durability.upper(), f"KEEP_LAST {offer.depth}"
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     lines = [head, tuple("---" for _ in head), *rows]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 

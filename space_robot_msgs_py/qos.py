@@ -57,8 +57,8 @@ def yaml_text(data: object) -> str:
 
     yaml = YAML(typ="safe", pure=True)
     yaml.default_flow_style = False
-    yaml.width = 1 << 20  # type: ignore[assignment]
-    yaml.sort_base_mapping_type_on_output = False
+    yaml.width = 1 << 20
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
     stream = StringIO()
     yaml.dump(data, stream)
     return stream.getvalue()
