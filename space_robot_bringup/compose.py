@@ -5,11 +5,11 @@ from __future__ import annotations
 import platform
 from dataclasses import dataclass
 from importlib import metadata
-from typing import Any
+from math import radians
 
 import numpy as np
 
-from space_robot_bringup.experiment import Experiment, Initial, ModelSpec, PerJointValues, to_yaml
+from space_robot_bringup.experiment import Experiment, Initial, ModelSpec, to_yaml
 from space_robot_control.laws.registry import make_law
 from space_robot_control.references.make import make_reference
 from space_robot_control.rotations import from_rpy
@@ -85,7 +85,7 @@ def compose(experiment: Experiment) -> Composition:
     robot = load_robot(experiment.robot)
     nominal = _variant(robot, experiment.nominal, seeds[0], "nominal")
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
-    resolved = experiment.model_copy(update={"robot": robot.resolved})
+    resolved = experiment.model_copy(update={"robot": dict(robot.resolved)})
     header = LogHeader(to_yaml(resolved), robot.urdf, experiment.seed, robot.joint_names, versions())
     q0, v0 = _initial(experiment.initial, robot)
     composition = Composition(experiment, nominal, truth, header, seeds, q0, v0)
@@ -116,15 +116,12 @@ def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: s
 def _initial(spec: Initial, robot: Robot) -> tuple[Vector, Vector]:
     joints = robot.home
     if spec.joints_deg is not None:
-        joints = np.radians(_joints(spec.joints_deg, robot, "initial.joints_deg"))
+        joints = np.radians(
+            expand(spec.joints_deg, robot.joint_names, "initial.joints_deg", np.degrees(joints).tolist())
+        )
     elif spec.joints is not None:
-        joints = _joints(spec.joints, robot, "initial.joints")
-    quaternion = from_rpy(np.radians(np.array(spec.attitude_deg)))
+        joints = expand(spec.joints, robot.joint_names, "initial.joints", joints.tolist())
+    quaternion = from_rpy([radians(angle) for angle in spec.attitude_deg])
     q0 = np.concatenate([np.array(spec.position), quaternion, joints])
     v0 = np.concatenate([np.array(spec.linear_velocity), np.array(spec.angular_velocity), np.zeros(robot.n)])
     return q0, v0
-
-
-def _joints(values: PerJointValues, robot: Robot, key: str) -> Vector:
-    result: Any = expand(values, robot.joint_names, key)
-    return np.asarray(result, dtype=np.float64)

@@ -9,19 +9,19 @@ from typing import Any, Literal
 
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat
 from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedSeq
+from ruamel.yaml.scalarstring import LiteralScalarString
 
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
 from space_robot_description.dispersion import Dispersion
 from space_robot_description.payload import Payload
 from space_robot_description.share import config_dir, shipped
-from space_robot_description.spec import Strict, Three
+from space_robot_description.spec import PerJoint, Strict, Three
 from space_robot_description.validation import nearest, parse_yaml, validate
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_sim.integrators import IntegratorSpec
 from space_robot_sim.sensors import SensorSpec
-
-PerJointValues = tuple[float, ...] | dict[str, float]
 
 
 class Initial(Strict):
@@ -29,8 +29,10 @@ class Initial(Strict):
 
     position: Three = Field(default=(0.0, 0.0, 0.0), description="base origin in the inertial frame [m]")
     attitude_deg: Three = Field(default=(0.0, 0.0, 0.0), description="roll, pitch, yaw (R = Rz Ry Rx) [deg]")
-    joints_deg: PerJointValues | None = Field(default=None, description="list, or mapping by joint name [deg]")
-    joints: PerJointValues | None = Field(default=None, description="the same in [rad] or [m]")
+    joints_deg: PerJoint | None = Field(
+        default=None, description="one number, a list, or a mapping by joint name [deg]"
+    )
+    joints: PerJoint | None = Field(default=None, description="the same in [rad] or [m]")
     linear_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="of the base, body frame [m/s]")
     angular_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="of the base, body frame [rad/s]")
 
@@ -164,12 +166,23 @@ def apply_override(data: dict[str, Any], override: str) -> None:
 
 def to_yaml(experiment: Experiment) -> str:
     """The resolved experiment as YAML text with every default written out; equal experiments give equal text."""
-    yaml = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = None
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[attr-defined]
+    yaml = YAML(pure=True)
+    yaml.width = 120
     out = StringIO()
-    yaml.dump(experiment.model_dump(mode="json"), out)
+    yaml.dump(_readable(experiment.model_dump(mode="json")), out)
     return out.getvalue()
+
+
+def _readable(value: Any) -> Any:
+    """Texts of many lines (the URDF) as blocks, lists of numbers on one line."""
+    if isinstance(value, dict):
+        return {key: _readable(item) for key, item in value.items()}
+    if isinstance(value, list):
+        items = CommentedSeq(_readable(item) for item in value)
+        if not any(isinstance(item, dict) for item in value):
+            items.fa.set_flow_style()
+        return items
+    return LiteralScalarString(value) if isinstance(value, str) and "\n" in value else value
 
 
 def with_duration(experiment: Experiment, duration: float | None) -> Experiment:

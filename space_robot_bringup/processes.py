@@ -64,7 +64,6 @@ class _Crew:
         self._directory, self._progress = directory, scratch / "progress"
         experiment = scratch / "experiment.yaml"
         experiment.write_text(composition.header.experiment, encoding="utf-8")
-        (scratch / "robot.urdf").write_text(composition.header.urdf, encoding="utf-8")
         self._arguments = ["--experiment", str(experiment), "--out", str(directory)]
         if realtime is not None:
             self._arguments += ["--realtime", repr(realtime)]

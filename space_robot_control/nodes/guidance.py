@@ -40,7 +40,7 @@ class GuidanceNode(GraphNode):
         self._codec = ReferenceCodec(joint_names)
         self._period, self._steps, self._ahead = period, steps, ahead
         self._next = self._reached = 0
-        self._publishers = [self.publisher(topic) for topic in self._codec.topics]
+        self._reference_publishers = [self.publisher(topic) for topic in self._codec.topics]
         self._publish_until(ahead)
         self.listen(BASE_ODOM, self._on_state)
 
@@ -54,5 +54,5 @@ class GuidanceNode(GraphNode):
 
     def _publish_until(self, tick: int) -> None:
         while self._next <= min(tick, self._steps):
-            publish_all(self._publishers, self._codec.encode(self._reference.at(self._next * self._period)))
+            publish_all(self._reference_publishers, self._codec.encode(self._reference.at(self._next * self._period)))
             self._next += 1

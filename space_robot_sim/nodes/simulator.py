@@ -59,7 +59,7 @@ class SimulatorNode(GraphNode):
         self._credit: int | None = None
         self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=realtime is not None)
         self.pacer = Pacer(self, period / realtime, self._on_period) if realtime is not None else None
-        self._services = RunServices(self)
+        self._steering = RunServices(self)
         self._health = SimulatorHealth(self, patience)
         self.reset()
 

@@ -15,7 +15,7 @@ robot: mini
 control_period: 0.25
 duration: 2.0
 initial: {joints_deg: [90, 45, 45, 0]}
-reference: {kind: step, target: {attitude_deg: [10, 0, 0]}}
+reference: {kind: step, attitude_deg: [10, 0, 0]}
 """
 URDF = """<robot name="two"><link name="hull"><inertial><mass value="{mass}"/>{inertia}</inertial></link>
 <joint name="hinge" type="revolute"><parent link="hull"/><child link="arm"/><axis xyz="0 0 1"/>
