@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from space_robot_msgs_py.codecs import TopicBytes, decode_string
-from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.errors import CommandError, SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import BASE_ODOM, ROBOT_DESCRIPTION, TABLE, Topic
 
@@ -107,9 +107,17 @@ class RecorderNode(GraphNode):
             except SpaceRobotError as error:
                 self._refuse(topic, error)
                 return
-            self._take_in(topic, stamp, data)
+            if self._is_tick(stamp):
+                self._take_in(topic, stamp, data)
+            else:
+                self._refuse(topic, CommandError("not a tick of this run", key=topic.name, value=f"{stamp} ns"))
 
         self.listen(topic, on_message)
+
+    def _is_tick(self, stamp: int) -> bool:
+        """On the grid of the run and not so far ahead that only a stranger can have sent it."""
+        ahead = max(self._newest_state, 0) + WINDOW * self._period
+        return stamp % self._period == 0 and 0 <= stamp <= min(self._last, ahead)
 
     def _refuse(self, topic: Topic, error: Exception) -> None:
         self.malformed += 1

@@ -89,5 +89,5 @@ def test_a_stranger_cannot_derail_a_controlled_run(tmp_path: Path) -> None:
     with flight(tmp_path / "run", "duration=20.0") as robot:
         for tick in (0, 5, 70, 10_000):
             say(robot, command(robot, 40 * PERIOD + tick))
-        robot.spin_until(lambda: robot.recorder.complete, "the end of the run")
+        robot.spin_until(lambda: robot.recorder.complete and robot.simulator.end_reason, "the end of the run")
         assert robot.simulator.end_reason == "completed"
