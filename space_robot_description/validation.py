@@ -75,7 +75,8 @@ def validate(model_class: type[Model], data: object, where: str) -> Model:
         return model_class.model_validate(data)
     except ValidationError as error:
         problems = error.errors(include_url=False)
-        first = problems[0]
+        # A misspelt key is also a missing one: the spelling is the cause.
+        first = next((problem for problem in problems if problem["type"] == "extra_forbidden"), problems[0])
         path = _data_path(first, data)
         same = [problem for problem in problems if _data_path(problem, data) == path]
         others = len({_data_path(problem, data) for problem in problems}) - 1

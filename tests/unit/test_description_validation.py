@@ -1,0 +1,158 @@
+"""YAML and typed files: every complaint is one line with place, key, value and what would be accepted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import pytest
+from pydantic import Field
+
+from space_robot_description.spec import Actuators, Strict, expand
+from space_robot_description.validation import nearest, parse_yaml, parse_yaml_text, validate
+from space_robot_msgs_py.errors import InputFileError, NonFiniteError, SpecError
+
+
+class Inner(Strict):
+    """A section."""
+
+    kind: Literal["inner"] = "inner"
+    gain: float = Field(gt=0)
+
+
+class Other(Strict):
+    """Another section of the same union."""
+
+    kind: Literal["other"] = "other"
+    limit: float
+
+
+class Outer(Strict):
+    """A file."""
+
+    mode: Literal["fast", "slow"] = "slow"
+    part: Annotated[Inner | Other, Field(discriminator="kind")] | None = None
+    parts: tuple[Inner, ...] = ()
+    named: dict[str, Inner] = Field(default_factory=dict)
+    value: float | tuple[float, ...] = 0.0
+
+
+BAD_DATA = {
+    "unknown key": ({"mod": "fast"}, "f.yaml mod: unknown key; accepted: did you mean mode, named? valid: mode, part"),
+    "nothing near": ({"zzz": 1}, "f.yaml zzz: unknown key; accepted: mode, part, parts, named, value"),
+    "in a union": (
+        {"part": {"kind": "other", "limt": 1}},
+        "f.yaml part.limt: unknown key (and 1 more); accepted: did you mean limit? valid: kind, limit",
+    ),
+    "in a list": (
+        {"parts": [{"gain": 1}, {"gain": 1, "gian": 2}]},
+        "f.yaml parts.1.gian: unknown key; accepted: did you",
+    ),
+    "in a mapping": ({"named": {"a": {"gain": 1, "gian": 2}}}, "f.yaml named.a.gian: unknown key"),
+    "literal": ({"mode": "fats"}, "f.yaml mode: not accepted; got 'fats'; accepted: Input should be 'fast' or 'slow'"),
+    "missing": ({"parts": [{}]}, "f.yaml parts.0.gain: is required and missing"),
+    "bound": ({"parts": [{"gain": 0}]}, "f.yaml parts.0.gain: not accepted; got 0; accepted: Input should be greater"),
+    "tag": ({"part": {"kind": "inne"}}, "f.yaml part: not accepted"),
+    "union": ({"value": "x"}, "f.yaml value: not accepted; got 'x'; accepted: Input should be a valid number"),
+    "two": ({"mode": 1, "value": "x"}, "f.yaml mode: not accepted (and 1 more)"),
+    "nan": ({"value": float("nan")}, "f.yaml value: not accepted"),
+    "no mapping": ([1], "f.yaml: not accepted"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_DATA)
+def test_bad_data_is_one_line_with_the_dotted_key(case: str) -> None:
+    """A file that does not fit its model names the key as the user wrote it, the value and what is accepted."""
+    data, message = BAD_DATA[case]
+    with pytest.raises(SpecError) as error:
+        validate(Outer, data, "f.yaml")
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_missing_key_of_a_union_member_is_named() -> None:
+    """A key missing inside a chosen union member is named without the member's tag."""
+    with pytest.raises(SpecError, match=r"^f\.yaml part\.limit: is required and missing$"):
+        validate(Outer, {"part": {"kind": "other"}}, "f.yaml")
+
+
+def test_long_values_do_not_bury_the_message() -> None:
+    """A long offending value is cut."""
+    with pytest.raises(SpecError) as error:
+        validate(Outer, {"mode": "x" * 5000}, "f.yaml")
+    assert len(str(error.value)) < 300
+
+
+BAD_YAML = {
+    "syntax": ("a: [1, 2\nb: 3\n", "not valid YAML at line 2, column 2"),
+    "indent": ("a: 1\n  b: 2\n", "not valid YAML at line 2"),
+    "twice": ("a: 1\na: 2\n", 'line 2, column 1: found duplicate key "a"'),
+    "nan": ("a: {b: [1, .nan]}\n", "f.yaml a.b.1: not a finite number; got nan"),
+    "infinity": ("a: -.inf\n", "f.yaml a: not a finite number; got -inf"),
+    "list": ("- 1\n", "does not hold a mapping"),
+    "empty": ("", "does not hold a mapping"),
+    "python": ("a: !!python/object:os.system {}\n", "not valid YAML"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_YAML)
+def test_bad_yaml_is_one_line_with_its_place(case: str) -> None:
+    """What is not YAML, ambiguous or not finite is one SpecError line with its place."""
+    text, message = BAD_YAML[case]
+    with pytest.raises(SpecError) as error:
+        parse_yaml_text(text, "f.yaml")
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_yaml_1_2_numbers_and_words() -> None:
+    """YAML 1.2: `on` and `no` are words, 1e-3 is a number, aliases work."""
+    text = "a: on\nb: no\nc: 1e-3\nd: &x [1, 2]\ne: *x\n"
+    assert parse_yaml_text(text, "f") == {"a": "on", "b": "no", "c": 0.001, "d": [1, 2], "e": [1, 2]}
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    """A missing file, a folder and a binary file are InputFileErrors that name the path."""
+    binary = tmp_path / "binary.yaml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    for path in (tmp_path / "none.yaml", tmp_path, binary):
+        with pytest.raises(InputFileError) as error:
+            parse_yaml(path)
+        assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [(2, [2, 2, 2]), ([1, 2, 3], [1, 2, 3]), ({"c": 3.0, "a": 1.0, "b": 2.0}, [1, 2, 3])],
+)
+def test_expand_gives_one_number_per_joint(values: Any, expected: list[float]) -> None:
+    """A scalar, a list and a mapping all become one read-only array in joint order."""
+    out = expand(values, ("a", "b", "c"), "key")
+    np.testing.assert_array_equal(out, expected)
+    assert not out.flags.writeable
+
+
+def test_expand_refuses_what_does_not_fit() -> None:
+    """Missing and unknown joints, a wrong count and NaN are refused with the key."""
+    names = ("shoulder", "elbow")
+    with pytest.raises(SpecError, match="key: a joint has no value; got 'elbow'"):
+        expand({"shoulder": 1.0}, names, "key")
+    with pytest.raises(SpecError, match="key: no such joint; got 'elbo'; accepted: elbow"):
+        expand({"elbo": 1.0}, names, "key")
+    with pytest.raises(SpecError, match="key: wrong number of values; got 1; accepted: 2"):
+        expand([1.0], names, "key")
+    with pytest.raises(NonFiniteError, match="key: not a finite number"):
+        expand([1.0, float("nan")], names, "key")
+    np.testing.assert_array_equal(expand({"elbow": 1.0}, names, "key", default=[5.0, 6.0]), [5.0, 1.0])
+
+
+def test_nearest_names() -> None:
+    """Names that look alike are offered, best first; nothing alike gives an empty text."""
+    assert nearest("servicr", ["mini", "servicer", "service"]) == "servicer, service"
+    assert nearest("xyz", ["mini"]) == ""
+
+
+def test_specs_have_a_json_schema() -> None:
+    """Editors get a schema with descriptions."""
+    assert "saturation" in Actuators.model_json_schema()["properties"]
