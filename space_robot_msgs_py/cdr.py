@@ -8,8 +8,9 @@ from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
 ENCAPSULATION = b"\x00\x01\x00\x00"
-# Fast DDS hands over buffers rounded up to the largest alignment.
-MAX_TRAILING = 7
+# Fast DDS counts 4 bytes of alignment for each empty float64[], which it then does not write (a JointState has three),
+# and may round up: its buffers are that much longer than the message.
+MAX_TRAILING = 15
 TIME = struct.Struct("<iI")
 UINT32 = struct.Struct("<I")
 
