@@ -1,0 +1,78 @@
+"""Experiment files: resolved once, checked completely, said back without loss."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import experiment_from, load_experiment, to_yaml, with_duration
+from space_robot_bringup.timebase import steps_of, to_nanoseconds
+from space_robot_description.share import shipped
+from space_robot_description.validation import parse_yaml_text
+from space_robot_msgs_py.errors import SpecError
+
+
+@pytest.mark.parametrize("name", shipped("experiments"))
+def test_every_shipped_experiment_composes(name: str) -> None:
+    """What is shipped can be flown: robots, law, gains, reference and expectations all fit."""
+    composition = compose(load_experiment(name))
+    assert composition.experiment.title
+    assert composition.experiment.steps > 10
+
+
+@pytest.mark.parametrize("name", shipped("experiments"))
+def test_a_resolved_experiment_is_the_experiment(name: str) -> None:
+    """The resolved YAML in a log, read back, resolves to the same text and the same robot: it needs no other file."""
+    first = compose(load_experiment(name))
+    again = compose(experiment_from(parse_yaml_text(first.header.experiment, "log"), "log"))
+    assert again.header == first.header
+    assert again.nominal.urdf == first.nominal.urdf
+    assert first.header.urdf in first.header.experiment or first.header.urdf == again.header.urdf
+    assert to_yaml(again.experiment) == first.header.experiment
+
+
+def test_an_override_changes_its_key_only() -> None:
+    """--set replaces one value, of any depth, and leaves the rest."""
+    plain = load_experiment("liu2023/fig08")
+    changed = load_experiment("liu2023/fig08", ["controller.gains.damping=0.7", "plant.delay_periods=1"])
+    assert changed.controller.gains == plain.controller.gains | {"damping": 0.7}
+    assert changed.plant.delay_periods == 1
+    assert changed.model_copy(update={"controller": plain.controller, "plant": plain.plant}) == plain
+
+
+def test_a_robot_beside_the_experiment_is_found(tmp_path: Path) -> None:
+    """A relative robot path starts at the experiment's folder, wherever it is run from."""
+    from space_robot_description.share import config_dir
+
+    for suffix in ("yaml", "urdf"):
+        (tmp_path / f"mine.{suffix}").write_bytes((config_dir() / "robots" / f"mini.{suffix}").read_bytes())
+    (tmp_path / "mine.yaml").write_text((tmp_path / "mine.yaml").read_text().replace("mini.urdf", "mine.urdf"))
+    (tmp_path / "flight.yaml").write_text(
+        "robot: mine.yaml\ncontrol_period: 0.5\nduration: 1.0\nreference: {kind: hold}\n"
+    )
+    assert compose(load_experiment(str(tmp_path / "flight.yaml"))).nominal.n == 4
+
+
+@given(st.integers(1, 10_000), st.sampled_from([0.1, 0.02, 0.25, 0.05, 0.5, 1.0, 0.3]))
+def test_every_decimal_multiple_of_the_period_is_one(steps: int, period: float) -> None:
+    """Durations people write (0.3 s of 0.1 s) divide exactly: decimals are counted as decimals."""
+    from decimal import Decimal
+
+    assert steps_of(float(Decimal(repr(period)) * steps), period) == steps
+
+
+@pytest.mark.parametrize(("duration", "period"), [(1.0, 0.3), (0.1, 0.25), (1.0, 1e-10)])
+def test_a_period_that_does_not_divide_is_refused(duration: float, period: float) -> None:
+    """No rounding: the error says what would do."""
+    with pytest.raises(SpecError, match="accepted"):
+        steps_of(duration, period)
+
+
+def test_nanoseconds_are_exact() -> None:
+    """0.1 s is 100 000 000 ns, not its binary neighbour."""
+    assert to_nanoseconds(0.1, "t") == 100_000_000
+    assert with_duration(load_experiment("liu2023/fig08"), 10.0).steps == 40

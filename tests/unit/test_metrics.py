@@ -1,0 +1,100 @@
+"""Metrics say what happened, from known motions; a number that is not finite never counts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from space_robot_bringup.experiment import Expectation
+from space_robot_bringup.metrics import RunMetrics, measure
+from space_robot_bringup.verdict import judge
+from space_robot_control.rotations import exp
+from space_robot_msgs_py.errors import NonFiniteError, SpecError
+from space_robot_msgs_py.interfaces import (
+    Command,
+    ControlOutput,
+    PlantSample,
+    Reference,
+    RobotState,
+    Telemetry,
+    Tick,
+    Vector,
+)
+
+PERIOD = 100_000_000
+
+
+def tick(k: int, roll: float, joint: float, goal: tuple[float, float], moving: bool = False) -> Tick:
+    """One tick of a robot with one joint: true roll and joint angle, and where they should be [rad]."""
+    truth = np.concatenate([np.zeros(3), exp([roll, 0.0, 0.0]), [joint]])
+    wanted = np.concatenate([np.zeros(3), exp([goal[0], 0.0, 0.0]), [goal[1]]])
+    blocks = {
+        "true_configuration": truth,
+        "applied_wrench": [0, 0, 0, 1.0, 0, 0],
+        "applied_effort": [-2.0],
+        "saturation": np.full(7, float(k % 4 == 1)),
+        "momentum_residual": [1e-12, 1e-13],
+        "energy_residual": 1e-11,
+        "quaternion_residual": 0.0,
+        "joint_limit": 0.0,
+    }
+    stamp = k * PERIOD
+    state = RobotState(stamp, truth, np.zeros(7), np.zeros(1), np.zeros(3))
+    rate: Vector = np.full(7, float(moving))
+    output = ControlOutput(Command(stamp, np.zeros(6), np.zeros(1)), Telemetry.of(stamp, {}))
+    return Tick(PlantSample(state, Telemetry.of(stamp, blocks)), Reference(stamp, wanted, rate, np.zeros(7)), output)
+
+
+def step_response(ticks: int = 101) -> RunMetrics:
+    """Roll decays from 0 to 0.2 rad with a time constant of 1 s; the joint swings about 0.5 rad and dies out."""
+    rows = []
+    for k in range(ticks):
+        t = k * 0.1
+        roll = 0.2 * (1 - math.exp(-t))
+        joint = 0.5 * (1 - math.exp(-t) * math.cos(math.pi * t))
+        rows.append(tick(k, roll, joint, (0.2, 0.5)))
+    return measure(rows, ["hinge"], base_translation=False)
+
+
+def test_settling_overshoot_and_errors_of_a_known_step() -> None:
+    """First order settles to 2 % at the first sample past ln 50 = 3.91 s; the swing overshoots by its first crest."""
+    numbers = step_response().flat()
+    assert numbers["base/roll.settling_time"] == pytest.approx(4.0)
+    assert numbers["base/roll.overshoot"] == 0.0
+    assert numbers["base/roll.final_error"] == pytest.approx(math.degrees(0.2 * math.exp(-10.0)))
+    crest = 1.0 - math.atan(1.0 / math.pi) / math.pi
+    assert numbers["hinge.overshoot"] == pytest.approx(-100 * math.exp(-crest) * math.cos(math.pi * crest), abs=0.01)
+    assert numbers["base/pitch.settling_time"] is None
+    assert numbers["saturation_share"] == pytest.approx(0.25)
+    assert numbers["effort_integral"] == pytest.approx(3.0 * 10.0)
+
+
+def test_an_axis_that_is_still_outside_its_band_has_not_settled() -> None:
+    """A run that ends too early reports no settling time, not the length of the run."""
+    assert step_response(ticks=30).flat()["base/roll.settling_time"] is None
+
+
+def test_a_reference_that_keeps_moving_has_no_settling_time() -> None:
+    """Tracking is judged by its error; settling is not defined."""
+    rows = [tick(k, 0.01 * k, 0.0, (0.01 * k, 0.0), moving=True) for k in range(20)]
+    numbers = measure(rows, ["hinge"], base_translation=False).flat()
+    assert numbers["base/roll.settling_time"] is None
+    assert numbers["base/roll.max_error"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_run_without_ticks_cannot_be_judged() -> None:
+    """Nothing flown is an error, not a success."""
+    with pytest.raises(NonFiniteError):
+        measure([], ["hinge"], base_translation=False)
+
+
+def test_the_verdict_fails_what_is_missing_or_out_of_bounds() -> None:
+    """A bound on a number the run does not have fails; an unknown metric is refused with the nearest name."""
+    metrics = step_response(ticks=30)
+    checks = judge(metrics, {"base/roll.settling_time": Expectation(max=10.0)}, "completed")
+    assert [check.name for check in checks if not check.passed] == ["base/roll.settling_time"]
+    assert not judge(metrics, {}, "interrupted")[0].passed
+    with pytest.raises(SpecError, match=r"base/roll\.final_error"):
+        judge(metrics, {"base/rol.final_error": Expectation(max=1.0)}, "completed")
