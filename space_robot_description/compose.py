@@ -13,9 +13,8 @@ import pinocchio as pin
 from space_robot_description.inertia import check_inertia
 from space_robot_description.robot_spec import BaseSpec, JointLimits, RobotSpec, tensor
 from space_robot_description.spec import check_joint_names
-from space_robot_description.urdf import MOVING, Tree, kind_of, numbers, parse_urdf
+from space_robot_description.urdf import MOVING, Tree, axis_of, kind_of, number, numbers, parse_urdf
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
-from space_robot_msgs_py.interfaces import Vector
 
 BASE_LINK = "base_link"
 MOUNT_JOINT = "base_mount"
@@ -127,8 +126,8 @@ def _lock(tree: Tree, locked: Mapping[str, float]) -> None:
     for name, joint in tree.joints.items():
         mimic = joint.find("mimic")
         if mimic is not None and mimic.get("joint") in locked and name not in positions:
-            positions[name] = float(mimic.get("multiplier", "1")) * locked[mimic.get("joint", "")]
-            positions[name] += float(mimic.get("offset", "0"))
+            factor, offset = (number(mimic, field, f"joint {name}") for field in ("multiplier", "offset"))
+            positions[name] = (1.0 if factor is None else factor) * locked[mimic.get("joint", "")] + (offset or 0.0)
     for name, position in positions.items():
         _fix(name, tree.joints[name], position)
 
@@ -153,8 +152,7 @@ def _fix(name: str, joint: ET.Element, position: float) -> None:
 
 
 def _displacement(joint: ET.Element, key: str, position: float) -> pin.SE3:
-    axis: Vector = numbers(joint.find("axis"), "xyz", "1 0 0", key)
-    axis = axis / np.linalg.norm(axis)
+    axis = axis_of(joint, key)
     if kind_of(joint) == "prismatic":
         return pin.SE3(np.eye(3), axis * position)
     return pin.SE3(pin.AngleAxis(position, axis).toRotationMatrix(), np.zeros(3))

@@ -12,6 +12,8 @@ from space_robot_msgs_py.interfaces import Vector
 
 # Thin rods and plates meet the triangle inequality with equality; this much is round-off of the file's numbers.
 ROUND_OFF = 1e-9
+# [kg, m, kg m2]; squares of numbers near the end of the float range would overflow.
+LARGEST = 1e12
 
 
 def check_inertia(link: str, mass: float, com: Vector, inertia: Vector, *, point_mass: bool = False) -> None:
@@ -33,10 +35,11 @@ def check_inertia(link: str, mass: float, com: Vector, inertia: Vector, *, point
     """
     key = f"link {link}"
     for name, value in (("mass", mass), ("com", com), ("inertia", inertia)):
+        found = np.asarray(value).tolist()
         if not np.isfinite(value).all():
-            raise InertiaError(
-                f"{name} is not finite", key=key, value=np.asarray(value).tolist(), accepted="finite numbers"
-            )
+            raise InertiaError(f"{name} is not finite", key=key, value=found, accepted="finite numbers")
+        if np.max(np.abs(value)) > LARGEST:
+            raise InertiaError(f"{name} is beyond any spacecraft", key=key, value=found, accepted=f"below {LARGEST:g}")
     if mass <= 0.0:
         raise InertiaError("mass is not positive", key=key, value=float(mass), accepted="> 0 kg")
     if point_mass and not np.any(inertia):

@@ -43,10 +43,13 @@ def robot_path(name_or_path: str | Path) -> Path:
     """The file of a shipped robot, or the given path.
 
     Raises:
-        SpecError: no shipped robot has that name.
+        SpecError: no shipped robot has that name, or it is a bare URDF.
         InputFileError: it looks like a path and there is no such file.
     """
     path = Path(name_or_path)
+    if path.suffix in (".urdf", ".xacro"):
+        accepted = f"a robot file with `urdf: {path.name}`, a base mode and actuators"
+        raise SpecError("a URDF alone does not fly", key="robot", value=str(name_or_path), accepted=accepted)
     if path.is_file():
         return path
     if path.suffix or len(path.parts) != 1:

@@ -15,6 +15,7 @@ from space_robot_description.inertia import check_inertia
 from space_robot_description.urdf import (
     MOVING,
     Tree,
+    axis_of,
     check_link_inertia,
     child_of,
     kind_of,
@@ -27,6 +28,7 @@ from space_robot_msgs_py.interfaces import Vector
 
 # urdfdom reads no infinity; the model gets the real one afterwards.
 _UNLIMITED = 1e9
+_PINOCCHIO_NAMES = ("universe", "root_joint")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -63,10 +65,16 @@ def build_model(tree: Tree) -> tuple[Any, dict[str, JointRow]]:
     """
     for name, link in tree.links.items():
         check_link_inertia(name, link)
+    for name in (*tree.links, *tree.joints):
+        if name in _PINOCCHIO_NAMES:
+            raise SpecError("the model uses this name itself", key="urdf", value=name, accepted="any other name")
     rows = {name: row for name, joint in tree.joints.items() if (row := _joint_row(name, joint)) is not None}
     if not rows:
         raise SpecError("no moving joint is left", key="urdf", accepted="a robot with at least one")
-    model = pin.buildModelFromXML(_bare_urdf(tree, rows), pin.JointModelFreeFlyer())
+    try:
+        model = pin.buildModelFromXML(_bare_urdf(tree, rows), pin.JointModelFreeFlyer())
+    except (ValueError, RuntimeError) as error:
+        raise SpecError(f"Pinocchio cannot build the robot: {error}", key="urdf") from None
     model.gravity.setZero()
     for index, names in enumerate(
         [tree.root_link, *(child_of(tree.joints[name]) for name in model.names[2:])], start=1
@@ -106,13 +114,7 @@ def _joint_row(name: str, joint: ET.Element) -> JointRow | None:
             key=key,
             accepted="lock it, or the joint it follows, in locked_joints",
         )
-    axis = numbers(joint.find("axis"), "xyz", "1 0 0", key)
-    length = float(np.linalg.norm(axis))
-    if length < 1e-6:
-        raise SpecError("axis has no direction", key=key, value=axis.tolist(), accepted="a vector of length 1")
-    limits = _limits(kind, joint.find("limit"), key)
-    # An axis of length 1 is left alone: dividing by 1 + 1e-16 would make x, y, z axes into general ones.
-    return JointRow(axis if abs(length - 1.0) < 1e-15 else axis / length, *limits)
+    return JointRow(axis_of(joint, key), *_limits(kind, joint.find("limit"), key))
 
 
 def _limits(kind: str, limit: ET.Element | None, key: str) -> tuple[float, float, float, float]:
@@ -142,7 +144,9 @@ def _bare_urdf(tree: Tree, rows: dict[str, JointRow]) -> str:
         row = rows.get(name)
         kind = "fixed" if row is None else "prismatic" if kind_of(joint) == "prismatic" else "revolute"
         bare = ET.SubElement(root, "joint", name=name, type=kind)
-        bare.extend(copy.deepcopy([element for element in joint if element.tag in ("origin", "parent", "child")]))
+        bare.extend(copy.deepcopy([element for element in joint if element.tag in ("parent", "child")]))
+        origin = {name: numbers(joint.find("origin"), name, "0 0 0", name).tolist() for name in ("xyz", "rpy")}
+        ET.SubElement(bare, "origin", {name: " ".join(map(repr, values)) for name, values in origin.items()})
         if row is not None:
             ET.SubElement(bare, "axis", xyz=" ".join(map(repr, row.axis.tolist())))
             lower, upper = max(row.lower, -_UNLIMITED), min(row.upper, _UNLIMITED)

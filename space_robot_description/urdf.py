@@ -82,6 +82,20 @@ def child_of(joint: ET.Element) -> str:
     return _link_attribute(joint, "child")
 
 
+def axis_of(joint: ET.Element, key: str) -> Vector:
+    """The joint's unit axis (3,) in the joint frame.
+
+    Raises:
+        SpecError: not three finite numbers, or no direction.
+    """
+    axis = numbers(joint.find("axis"), "xyz", "1 0 0", key)
+    length = float(np.linalg.norm(axis))
+    if length < 1e-6:
+        raise SpecError("axis has no direction", key=key, value=axis.tolist(), accepted="a vector of length 1")
+    # An axis of length 1 is left alone: dividing by 1 + 1e-16 would make x, y, z axes into general ones.
+    return axis if abs(length - 1.0) < 1e-15 else axis / length
+
+
 def numbers(element: ET.Element | None, attribute: str, default: str, key: str) -> Vector:
     """Three finite numbers of an attribute such as ``xyz``.
 
@@ -89,10 +103,7 @@ def numbers(element: ET.Element | None, attribute: str, default: str, key: str) 
         SpecError: not three finite numbers.
     """
     text = default if element is None else element.get(attribute, default)
-    try:
-        values = [float(part) for part in text.split()]
-    except ValueError:
-        values = []
+    values = [_to_float(part) for part in text.split()]
     if len(values) != 3 or not all(map(math.isfinite, values)):
         raise SpecError(f"{attribute} is not a vector", key=key, value=text, accepted="three finite numbers")
     return np.array(values)
@@ -107,10 +118,7 @@ def number(element: ET.Element, attribute: str, key: str) -> float | None:
     text = element.get(attribute)
     if text is None:
         return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _to_float(text)
     if not math.isfinite(value):
         raise SpecError(f"{attribute} is not a number", key=key, value=text, accepted="a finite number")
     return value
@@ -144,12 +152,17 @@ def check_link_inertia(name: str, link: ET.Element) -> float:
     return mass
 
 
+def _to_float(text: str) -> float:
+    """The number in a text, NaN if there is none; Python alone would read 1_0 as ten."""
+    try:
+        return math.nan if "_" in text else float(text)
+    except ValueError:
+        return math.nan
+
+
 def _physical(element: ET.Element, attribute: str, key: str) -> float:
     text = element.get(attribute, "0")
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _to_float(text)
     if not math.isfinite(value):
         name = "mass" if element.tag == "mass" else attribute
         raise InertiaError(f"{name} is not a finite number", key=key, value=text, accepted="a finite number")

@@ -83,6 +83,17 @@ def test_locked_joint_stands_where_the_moving_one_would() -> None:
     np.testing.assert_allclose(actual, expected, atol=1e-14)
 
 
+def test_follower_of_a_locked_joint_is_locked_with_it() -> None:
+    """A joint that mimics a locked one stands at multiplier times its position plus offset."""
+    limit = '<axis xyz="0 0 1"/><limit lower="-2" upper="2"/>'
+    parts = [link("finger"), joint("j3", "fore", "finger", inside=limit)]
+    mimic = joint("j3", "fore", "finger", inside=f'{limit}<mimic joint="j2" multiplier="-2" offset="0.1"/>')
+    expected = load_robot(robot_file(urdf(*TWO_LINKS, *parts), locked_joints={"j2": 0.3, "j3": -0.5}))
+    actual = load_robot(robot_file(urdf(*TWO_LINKS, parts[0], mimic), locked_joints={"j2": 0.3}))
+    assert actual.joint_names == ("j1",)
+    np.testing.assert_allclose(inertial_parameters(actual), inertial_parameters(expected), atol=1e-15)
+
+
 def test_names_change_only_on_collision() -> None:
     """The arm's own base_link gets a prefix, every other link and joint keeps its name."""
     robot = load_robot(robot_file(base=BASE))
@@ -229,6 +240,8 @@ def test_unknown_robots_and_missing_files() -> None:
     """An unknown name shows the nearest ones, a missing file is an InputFileError that shows the path."""
     with pytest.raises(SpecError, match=r"'minni'; accepted: a robot file, or one of: mini"):
         load_robot("minni")
+    with pytest.raises(SpecError, match=r"a URDF alone does not fly.*urdf: mini\.urdf"):
+        load_robot("config/robots/mini.urdf")
     with pytest.raises(InputFileError, match=r"nowhere/robot\.yaml"):
         load_robot("nowhere/robot.yaml")
     with pytest.raises(InputFileError, match=r"urdf: no such URDF file.*arm\.urdf"):

@@ -26,6 +26,7 @@ BAD_BODIES = {
     "mass without inertia": ('<inertial><mass value="2"/></inertial>', "no inertia"),
     "triangle": (_inertial(izz="2.1"), "triangle inequality"),
     "not positive": (_inertial(izz="-0.1"), "not positive definite"),
+    "huge": (_inertial(ixx="1e308"), "inertia is beyond any spacecraft"),
     "nan mass": (_inertial(mass="nan"), "mass is not a finite number"),
     "nan inertia": (_inertial(iyy="nan"), "iyy is not a finite number"),
     "text": (_inertial(mass="heavy"), "mass is not a finite number"),
@@ -87,6 +88,15 @@ BAD_JOINTS = {
     "unknown link": (joint("j2", "upper", "hand"), "joint j2 names an unknown link; got 'hand'"),
     "two parents": (joint("j2", "fore", "upper"), "link upper is the child of two joints"),
     "two roots": ("", "one root link"),
+    "number": (
+        joint("j2", "upper", "fore", inside='<limit lower="-1_0" upper="1"/>'),
+        "joint j2: lower is not a number",
+    ),
+    "pinocchio's name": (joint("root_joint", "upper", "fore"), "the model uses this name itself; got 'root_joint'"),
+    "mimic number": (
+        joint("j2", "upper", "fore", inside=f'{LIMIT}<mimic joint="j1" multiplier="x"/>'),
+        "joint j2: mimics",
+    ),
     "twice": (joint("j1", "upper", "fore"), "the joint name appears twice; got 'j1'"),
 }
 
