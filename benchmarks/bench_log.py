@@ -1,0 +1,111 @@
+"""What a message costs: encoding, decoding, cleaning what DDS delivers, joining, and writing and reading logs."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from itertools import count
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from space_robot_msgs_py.codecs import LOGGED, TickCodec, TopicBytes, peek_stamp
+from space_robot_msgs_py.general import canonical_message
+from space_robot_msgs_py.interfaces import Command, ControlOutput, PlantSample, Reference, RobotState, Telemetry, Tick
+from space_robot_msgs_py.joiner import StampJoiner
+from space_robot_msgs_py.log_header import LogHeader
+from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log_writer import LogSink
+
+JOINTS = 7
+TICKS = 1500
+PERIOD = 100_000_000
+REPEATS = 5
+NAMES = tuple(f"joint{index + 1}" for index in range(JOINTS))
+PER_TICK = len(LOGGED)
+
+
+def run() -> dict[str, float]:
+    """Costs per message of a robot with seven joints, best of a few repeats."""
+    ticks = _ticks()
+    return _codecs(ticks[1]) | _joining() | _log(ticks)
+
+
+def _codecs(tick: Tick) -> dict[str, float]:
+    codec, canonical = TickCodec(NAMES), TopicBytes(NAMES)
+    raws = codec.encode(tick)
+    parts = {topic.name: raw for topic, raw in zip(LOGGED, raws, strict=True)}
+    state = codec.state.encode(tick.sample.state)
+    command = codec.command.encode(tick.output.command)
+    pairs = list(zip(LOGGED, raws, strict=True))
+    return {
+        "encode a tick, us/message": _us(lambda: codec.encode(tick)) / PER_TICK,
+        "encode a state (3 messages), us": _us(lambda: codec.state.encode(tick.sample.state)),
+        "decode a tick, us/message": _us(lambda: codec.decode(parts)) / PER_TICK,
+        "decode a state (3 messages), us": _us(lambda: codec.state.decode(state)),
+        "decode a command (2 messages), us": _us(lambda: codec.command.decode(command)),
+        "peek at a stamp, us": _us(lambda: peek_stamp(raws[0])),
+        "canonical form by layout, us/message": _us(lambda: [canonical.read(*pair) for pair in pairs]) / PER_TICK,
+        "canonical form by rosbags, us/message": _us(
+            lambda: [canonical_message(topic.type, raw) for topic, raw in pairs], number=50
+        )
+        / PER_TICK,
+    }
+
+
+def _joining() -> dict[str, float]:
+    joiner: StampJoiner[bytes] = StampJoiner(6, 1024)
+    stamps = count()
+
+    def join() -> None:
+        stamp = next(stamps)
+        for part in range(6):
+            joiner.add(part, stamp, b"")
+
+    return {"join 6 parts, us/message": _us(join) / 6}
+
+
+def _log(ticks: list[Tick]) -> dict[str, float]:
+    writing, closing, reading, stacking = [], [], [], []
+    header = LogHeader("", "<robot/>", 0, NAMES)
+    with tempfile.TemporaryDirectory() as scratch:
+        for repeat in range(REPEATS):
+            sink = LogSink(Path(scratch) / f"run{repeat}", header)
+            writing.append(_seconds(lambda sink=sink: [sink.record(tick) for tick in ticks]))
+            closing.append(_seconds(lambda sink=sink: sink.close("completed")))
+            reader = LogReader(sink.writer.path)
+            reading.append(_seconds(lambda reader=reader: sum(1 for _ in reader.ticks())))
+            stacking.append(_seconds(reader.arrays))
+    messages = TICKS * PER_TICK
+    return {
+        "log: values to disk, flushed every tick, us/message": 1e6 * min(writing) / messages,
+        "log: values to disk, messages/s": messages / min(writing),
+        f"log: close and index {TICKS} ticks, ms": 1e3 * min(closing),
+        "log: write and close, messages/s": messages / (min(writing) + min(closing)),
+        "log: read as ticks, messages/s": messages / min(reading),
+        "log: read as arrays, messages/s": messages / min(stacking),
+    }
+
+
+def _ticks() -> list[Tick]:
+    rng = np.random.default_rng(0)
+    ticks = []
+    for stamp in range(0, TICKS * PERIOD, PERIOD):
+        q, v, effort = rng.normal(size=7 + JOINTS), rng.normal(size=6 + JOINTS), rng.normal(size=JOINTS)
+        telemetry = Telemetry.of(stamp, {"error": v, "surface": v, "rate": 1.0})
+        state = RobotState(stamp, q, v, effort, rng.normal(size=3))
+        output = ControlOutput(Command(stamp, v[:6], effort), telemetry)
+        ticks.append(Tick(PlantSample(state, telemetry), Reference(stamp, q, v, v), output))
+    return ticks
+
+
+def _us(function: Callable[[], object], number: int = 2000) -> float:
+    """Microseconds per call, best of REPEATS."""
+    return 1e6 * min(_seconds(lambda: [function() for _ in range(number)]) for _ in range(REPEATS)) / number
+
+
+def _seconds(function: Callable[[], object]) -> float:
+    begin = perf_counter()
+    function()
+    return perf_counter() - begin
