@@ -52,6 +52,18 @@ class NominalModel:
         m[self._lower] = m.T[self._lower]
         return m
 
+    def reduced_mass_matrix(self, q: Vector) -> Vector:
+        """Return the symmetric (3+n, 3+n) inertia of base rotation and joints while no force acts on the base [kg m2].
+
+        Elimination of the translation, M_rr - M_rl M_lr / mass, since M_ll is the mass times the identity.
+
+        Args:
+            q: (7+n,) configuration [m, -, rad].
+        """
+        m = self.mass_matrix(q)
+        out: Vector = m[3:, 3:] - m[3:, :3] @ m[:3, 3:] / self.mass
+        return out
+
     def bias(self, q: Vector, v: Vector) -> Vector:
         """Return the (6+n,) Coriolis and centrifugal forces c(q, v) [N, N m].
 

@@ -1,10 +1,15 @@
-"""Laws by name: built in, installed by another distribution, or anywhere a ``module:Class`` path reaches."""
+"""Laws by name: built in, installed by another distribution, or where ``module:Class`` or ``file.py:Class`` points."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from importlib.util import module_from_spec, spec_from_file_location
+from inspect import isabstract
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from space_robot_control.laws.base import Law
@@ -13,6 +18,7 @@ from space_robot_description.validation import nearest, validate
 from space_robot_msgs_py.errors import SpecError
 
 GROUP = "space_robot.laws"
+PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
     "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
     "none": "space_robot_control.laws.hold:ZeroCommand",
@@ -28,8 +34,8 @@ def law_class(name: str, key: str = "controller.law") -> type[Law]:
     """Return a law's class.
 
     Args:
-        name: a built-in name, the name of an entry point in the group ``space_robot.laws``, or ``module:Class``. A
-            built-in name wins over an entry point.
+        name: a built-in name, the name of an entry point in the group ``space_robot.laws``, ``module:Class``, or
+            ``path/to/file.py:Class``. A built-in name wins over an entry point.
         key: what to call the name in an error.
 
     Raises:
@@ -39,7 +45,7 @@ def law_class(name: str, key: str = "controller.law") -> type[Law]:
     path = BUILT_IN.get(name) or (installed[name].value if name in installed else name)
     if ":" not in path:
         close = nearest(name, law_names())
-        accepted = f"did you mean {close}?" if close else f"{', '.join(law_names())}, or module:Class"
+        accepted = f"did you mean {close}?" if close else f"{', '.join(law_names())}, {PATHS}"
         raise SpecError("no such law", key=key, value=name, accepted=accepted)
     return _imported(path, key)
 
@@ -68,16 +74,30 @@ def _installed() -> dict[str, EntryPoint]:
 
 
 def _imported(path: str, key: str) -> type[Law]:
-    module_name, _, class_name = path.partition(":")
+    module_name, _, class_name = path.rpartition(":")
     try:
-        module = import_module(module_name)
-    except (ImportError, ValueError) as error:
-        raise SpecError(f"cannot import ({error})", key=key, value=path, accepted="module:Class") from error
+        module = _from_file(Path(module_name)) if module_name.endswith(".py") else import_module(module_name)
+    except Exception as error:  # a module may fail in any way while it is imported
+        raise SpecError(f"cannot import ({error})", key=key, value=path, accepted=PATHS) from error
     cls = getattr(module, class_name, None)
     if cls is None:
-        laws = [k for k, v in vars(module).items() if isinstance(v, type) and issubclass(v, Law) and v is not Law]
+        own = [v for v in vars(module).values() if isinstance(v, type) and v.__module__ == module.__name__]
+        laws = [v.__name__ for v in own if issubclass(v, Law)]
         accepted = f"one of {', '.join(laws)}" if laws else f"a Law in {module_name}, which has none"
         raise SpecError("no such class", key=key, value=path, accepted=accepted)
-    if not (isinstance(cls, type) and issubclass(cls, Law)):
-        raise SpecError("not a law", key=key, value=path, accepted="a subclass of space_robot_control.laws.Law")
+    if not (isinstance(cls, type) and issubclass(cls, Law)) or isabstract(cls):
+        accepted = "a subclass of space_robot_control.laws.Law with compute()"
+        raise SpecError("not a law", key=key, value=path, accepted=accepted)
     return cls
+
+
+def _from_file(file: Path) -> ModuleType:
+    name = f"space_robot_law_{file.stem}"
+    spec = spec_from_file_location(name, file)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"no Python file: {file}")
+    module = module_from_spec(spec)
+    # Pydantic looks up annotations of nested models in sys.modules.
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

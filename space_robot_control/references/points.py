@@ -54,6 +54,9 @@ class PointToPoint:
         start: [ns].
         duration: [ns], positive.
 
+    Attributes:
+        last: the last configuration with the sign of quaternion that the motion reaches it with.
+
     Raises:
         SpecError: the duration is not positive.
     """
@@ -65,6 +68,7 @@ class PointToPoint:
         if first[3:7] @ end[3:7] < 0.0:
             end[3:7] *= -1.0  # the same attitude, without a jump of sign
         turn = log(relative(first[3:7], end[3:7]))
+        self.last = end
         self._first, self._last = first.tolist(), end.tolist()
         self._change = [*(end[:3] - first[:3]).tolist(), *turn, *(end[7:] - first[7:]).tolist()]
         self._zero = [0.0] * len(self._change)

@@ -81,5 +81,5 @@ def check_limits(lowest: Vector, highest: Vector, robot: Robot, key: str, in_deg
             if not lower - LIMIT_TOLERANCE <= value <= upper + LIMIT_TOLERANCE:
                 accepted = f"{shown(lower):.6g} to {shown(upper):.6g} [{unit}]"
                 raise SpecError(
-                    "outside the joint's limits", key=f"{key}.{name}", value=shown(value), accepted=accepted
+                    "outside the joint's limits", key=f"{key}.{name}", value=round(shown(value), 9), accepted=accepted
                 )

@@ -39,10 +39,11 @@ class Waypoints:
         if any(later <= earlier for earlier, later in pairwise(stamps)):
             raise SpecError("times do not increase", key="stamps", value=list(stamps), accepted="increasing [ns]")
         self._stamps = list(stamps)
-        self._legs = [
-            PointToPoint(first, last, begin, end - begin)
-            for (first, last), (begin, end) in zip(pairwise(configurations), pairwise(stamps), strict=True)
-        ]
+        self._legs: list[PointToPoint] = []
+        first = configurations[0]
+        for last, (begin, end) in zip(configurations[1:], pairwise(stamps), strict=True):
+            self._legs.append(PointToPoint(first, last, begin, end - begin))
+            first = self._legs[-1].last
         self.spline: RestToRestSpline | None = None
         if spline:
             points = np.array([np.concatenate((q[:3], q[7:])) for q in configurations])
