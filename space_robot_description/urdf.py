@@ -146,8 +146,10 @@ def check_link_inertia(name: str, link: ET.Element) -> float:
             "the link has mass but no inertia", key=key, value=mass, accepted="<inertia ixx=... > of the link"
         )
     ixx, iyy, izz, ixy, ixz, iyz = entries.values()
-    com = numbers(inertial.find("origin"), "xyz", "0 0 0", key)
-    numbers(inertial.find("origin"), "rpy", "0 0 0", key)
+    try:
+        com, _ = (numbers(inertial.find("origin"), attribute, "0 0 0", key) for attribute in ("xyz", "rpy"))
+    except SpecError as error:
+        raise InertiaError(error.message, key=key, value=error.value, accepted=error.accepted) from None
     check_inertia(name, mass, com, np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]]))
     return mass
 

@@ -29,6 +29,7 @@ BAD_BODIES = {
     "huge": (_inertial(ixx="1e308"), "inertia is beyond any spacecraft"),
     "nan mass": (_inertial(mass="nan"), "mass is not a finite number"),
     "nan inertia": (_inertial(iyy="nan"), "iyy is not a finite number"),
+    "nan com": (_inertial().replace("<mass", '<origin xyz="0 nan 0"/><mass'), "xyz is not a vector"),
     "text": (_inertial(mass="heavy"), "mass is not a finite number"),
 }
 
