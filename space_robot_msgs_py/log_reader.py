@@ -7,23 +7,28 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, Metadata
+from mcap.records import Attachment, Channel, Metadata
 
 from space_robot_msgs_py.codecs import TickCodec, decode_string
-from space_robot_msgs_py.errors import InputFileError, LogError
+from space_robot_msgs_py.errors import (
+    CommandError,
+    InputFileError,
+    LayoutError,
+    LogError,
+    NonFiniteError,
+    SpaceRobotError,
+)
 from space_robot_msgs_py.interfaces import Tick
-from space_robot_msgs_py.log_arrays import LogArrays, stack_ticks
+from space_robot_msgs_py.log_arrays import LogArrays, Row, stack_ticks
 from space_robot_msgs_py.log_directory import BAG_SUFFIX
 from space_robot_msgs_py.log_header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log_preamble import END_NAME, RECORDED, log_name
-from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, parse, scan, unpack_chunk, walk
+from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, parse, scan
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 
 _NAMES = {log_name(topic): topic.name for topic in RECORDED}
 _ESSENTIAL = frozenset(topic.name for kind in ("state", "reference", "command") for topic in topics_of(kind))
 _TELEMETRY = frozenset((CONTROLLER_TELEMETRY.name, PLANT_TELEMETRY.name))
-
-Row = tuple[int, dict[str, bytes]]
 
 
 class LogReader:
@@ -71,7 +76,7 @@ class LogReader:
         """
         names: dict[int, str] = {}
         expected: dict[int, int] = {}
-        for opcode, content in self._flat_records():
+        for opcode, content in flatten(self._records(), self._key):
             if opcode == Opcode.MESSAGE:
                 channel, sequence, stamp, _ = MESSAGE.unpack_from(content)
                 if channel not in names or sequence != expected[channel]:
@@ -97,18 +102,40 @@ class LogReader:
                 yield stamp, parts
 
     def ticks(self) -> Iterator[Tick]:
-        """Every complete tick, in order; equal to what was written, bit for bit."""
-        codec = TickCodec(self.header.joint_names)
-        for _, parts in self.rows():
-            yield codec.decode(parts)
+        """Every complete tick that fits the robot, in order; equal to what was written, bit for bit.
+
+        A graph may hear what the plant refuses, such as a command with wrong names: the log has it, a Tick cannot.
+        ``unfit`` says which ticks those are.
+        """
+        for _, _, outcome in self._decoded():
+            if isinstance(outcome, Tick):
+                yield outcome
+
+    def unfit(self) -> list[str]:
+        """One line for each complete tick that is not among ``ticks``: its stamp and what does not fit."""
+        return [f"{stamp} ns: {outcome}" for stamp, _, outcome in self._decoded() if not isinstance(outcome, Tick)]
 
     def arrays(self) -> LogArrays:
-        """All complete ticks, stacked.
+        """The same ticks, stacked.
 
         Raises:
             LogError: the shape of telemetry changes in the course of the log.
         """
-        return stack_ticks(list(self.rows()), self.header.joint_names, self._key)
+        rows = list(self.rows())
+        try:
+            return stack_ticks(rows, self.header.joint_names, self._key)
+        except SpaceRobotError:
+            # Cutting all at once is ten times faster than decoding, but all or nothing.
+            fitting = [(stamp, parts) for stamp, parts, outcome in self._decoded() if isinstance(outcome, Tick)]
+            return stack_ticks(fitting, self.header.joint_names, self._key)
+
+    def _decoded(self) -> Iterator[tuple[int, dict[str, bytes], Tick | SpaceRobotError]]:
+        codec = TickCodec(self.header.joint_names)
+        for stamp, parts in self.rows():
+            try:
+                yield stamp, parts, codec.decode(parts)
+            except (LayoutError, CommandError, NonFiniteError) as error:
+                yield stamp, parts, error
 
     def _groups(self) -> Iterator[tuple[Row, bool]]:
         """Messages of equal stamp, and whether anything follows that proves there are no more of them."""
@@ -150,15 +177,6 @@ class LogReader:
             raise
         except OSError as error:
             raise InputFileError(f"cannot be read: {error.strerror or error}", key=self._key) from None
-
-    def _flat_records(self) -> Iterator[tuple[int, bytes]]:
-        for opcode, content in self._records():
-            if opcode == Opcode.DATA_END:
-                return
-            if opcode == Opcode.CHUNK:
-                yield from walk(unpack_chunk(parse(Chunk.read, content, self._key), self._key))
-            else:
-                yield opcode, content
 
 
 def _bag_file(path: Path) -> Path:

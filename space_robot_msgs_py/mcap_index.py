@@ -25,7 +25,7 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, parse, record_bytes, scan
+from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, flatten, parse, record_bytes, scan
 
 CHUNK_SIZE = 1 << 20
 
@@ -34,15 +34,13 @@ def write_indexed(source: Path, target: Path) -> None:
     """Copy a file with its messages in zstd chunks and an index behind them; what is in it stays the same.
 
     Args:
-        source: an MCAP file without chunks, footer or not; what stands behind its last complete record is left out.
+        source: an MCAP file, whole or cut; what stands behind its last complete record is left out.
         target: is written, and on the disk when this returns.
     """
     with source.open("rb") as incoming, target.open("wb") as outgoing:
         incoming.seek(len(MAGIC))
         writer = _IndexedWriter(outgoing, str(source))
-        for opcode, content in scan(incoming, os.fstat(incoming.fileno()).st_size):
-            if opcode in (Opcode.DATA_END, Opcode.FOOTER):
-                break
+        for opcode, content in flatten(scan(incoming, os.fstat(incoming.fileno()).st_size), str(source)):
             writer.add(opcode, content)
         writer.finish()
         outgoing.flush()

@@ -32,6 +32,11 @@ def record_bytes(record: McapRecord) -> bytes:
     return data
 
 
+def metadata_bytes(name: str, entries: dict[str, str]) -> bytes:
+    """A metadata record."""
+    return record_bytes(Metadata(name=name, metadata=entries))
+
+
 def message_bytes(channel: int, sequence: int, stamp: int, data: bytes) -> bytes:
     """A message record, both of whose times are the stamp [ns]; mcap's own class takes twenty times as long."""
     size = MESSAGE.size + len(data)
@@ -80,12 +85,22 @@ def parse(read: Callable[[ReadDataStream], R], content: bytes, key: str) -> R:
         raise LogError(f"a record is damaged ({type(error).__name__})", key=key) from None
 
 
-def unpack_chunk(chunk: Chunk, key: str) -> bytes:
-    """The records in a chunk.
+def flatten(records: Iterator[tuple[int, bytes]], key: str) -> Iterator[tuple[int, bytes]]:
+    """The records of the data section, with those in chunks in the place of the chunks.
 
     Raises:
-        LogError: the compression is unknown or the checksum does not agree.
+        LogError: a chunk is damaged.
     """
+    for opcode, content in records:
+        if opcode == Opcode.DATA_END:
+            return
+        if opcode == Opcode.CHUNK:
+            yield from _walk(_unpack_chunk(parse(Chunk.read, content, key), key))
+        elif opcode != Opcode.MESSAGE_INDEX:
+            yield opcode, content
+
+
+def _unpack_chunk(chunk: Chunk, key: str) -> bytes:
     if chunk.compression not in ("", "zstd"):
         raise LogError("unknown compression", key=key, value=chunk.compression, accepted="zstd or none")
     try:
@@ -97,16 +112,10 @@ def unpack_chunk(chunk: Chunk, key: str) -> bytes:
     return data
 
 
-def walk(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Opcode and content of the records in a chunk."""
+def _walk(data: bytes) -> Iterator[tuple[int, bytes]]:
     position = 0
     while position + PREFIX.size <= len(data):
         opcode, length = PREFIX.unpack_from(data, position)
         start = position + PREFIX.size
         position = start + length
         yield opcode, data[start:position]
-
-
-def metadata_bytes(name: str, entries: dict[str, str]) -> bytes:
-    """A metadata record."""
-    return record_bytes(Metadata(name=name, metadata=entries))

@@ -56,7 +56,7 @@ class PartsCodec(Generic[V]):
             NonFiniteError: a number is NaN or infinite.
         """
         blocks = [layout.blocks(part) for layout, part in zip(self.layouts, parts, strict=True)]
-        if any(block[0] != blocks[0][0] for block in blocks):
+        if len({block[0] for block in blocks}) > 1:
             stamps = [unpack_stamp(block[0]) for block in blocks]
             names = ", ".join(topic.name for topic in self.topics)
             raise LayoutError("parts of different stamps", key=names, value=stamps, accepted="one stamp")

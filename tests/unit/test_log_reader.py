@@ -10,13 +10,15 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 from ruamel.yaml import YAML
 
-from space_robot_msgs_py.codecs import LOGGED
+from space_robot_msgs_py.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log_preamble import log_name
 from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.log_recover import recover
+from space_robot_msgs_py.log_writer import LogSink, LogWriter
 from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, scan
+from space_robot_msgs_py.topics import JOINT_COMMAND
 from tests import values
 
 COUNT = 30
@@ -150,6 +152,24 @@ def test_damage_is_noticed_or_harmless(run, tmp_path, part):
     assert "\n" not in (refusal or "")
 
 
+@pytest.mark.parametrize("part", [5, 8, 10])
+@pytest.mark.parametrize("closed", [False, True])
+def test_recovered_logs_open_everywhere(run, killed, tmp_path, part, closed):
+    """A cut log, plain or indexed, gets index and metadata, keeps its ticks, and rosbags opens it as a bag."""
+    data = (run / "run_0.mcap").read_bytes() if closed else killed
+    place = tmp_path / "cut"
+    place.mkdir()
+    (place / "cut_0.mcap").write_bytes(data[: len(data) * part // 10 - (0 if closed else 3)])
+    before = [values.bits(tick) for tick in LogReader(place).ticks()]
+    path = recover(place)
+    assert [values.bits(tick) for tick in LogReader(path).ticks()] == before
+    with AnyReader([place]) as reader:
+        assert sum(1 for _ in reader.messages()) == reader.message_count == sum(1 for _ in LogReader(place).messages())
+    first = path.read_bytes()
+    assert recover(path).read_bytes() == first
+    assert "end_reason: " in (place / "metadata.yaml").read_text()
+
+
 def test_a_missing_message_is_noticed(killed, tmp_path):
     """A record taken out of the middle is found by its sequence number."""
     records = [PREFIX.pack(opcode, len(content)) + content for opcode, content in _records(killed)]
@@ -204,6 +224,28 @@ def test_telemetry_that_changes_shape_is_named(tmp_path):
     assert len(list(LogReader(tmp_path / "run").ticks())) == 2
     with pytest.raises(LogError, match=r"plant/telemetry"):
         LogReader(tmp_path / "run").arrays()
+
+
+@pytest.mark.parametrize("fault", ["wrong names", "not a number"])
+def test_a_tick_with_a_refused_command_is_told_apart(tmp_path, fault):
+    """A command that does not fit stays in the log as a message, is named, and spoils no other tick."""
+    codec, ticks = TickCodec(values.NAMES), values.run_ticks(5)
+    writer = LogWriter(tmp_path / "run", values.HEADER)
+    for index, tick in enumerate(ticks):
+        parts = dict(zip(LOGGED, codec.encode(tick), strict=True))
+        if index == 2:
+            raw = parts[JOINT_COMMAND]
+            nan = np.array([np.nan]).tobytes()
+            parts[JOINT_COMMAND] = raw.replace(b"elbow", b"ankle") if fault == "wrong names" else raw[:-8] + nan
+        writer.write_tick(tick.stamp, parts)
+    writer.close("completed")
+    reader, kept = LogReader(tmp_path / "run"), [*ticks[:2], *ticks[3:]]
+    assert [values.bits(tick) for tick in reader.ticks()] == [values.bits(tick) for tick in kept]
+    assert reader.arrays().stamp.tolist() == [tick.stamp for tick in kept]
+    (line,) = reader.unfit()
+    assert line.startswith(f"{ticks[2].stamp} ns: ")
+    assert ("joint_command" if fault == "wrong names" else "command.effort") in line
+    assert sum(name == JOINT_COMMAND.name for name, _, _ in reader.messages()) == 5
 
 
 def _more(tick):
