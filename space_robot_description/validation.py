@@ -152,12 +152,11 @@ def _models_in(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
-    return tuple(
-        tag
-        for info in model.model_fields.values()
-        if get_origin(info.annotation) is Literal
-        for tag in get_args(info.annotation)
-    )
+    """Values of fields that can have only one: what tells the members of a union apart."""
+    literals = [
+        get_args(info.annotation) for info in model.model_fields.values() if get_origin(info.annotation) is Literal
+    ]
+    return tuple(values[0] for values in literals if len(values) == 1)
 
 
 def _non_finite(value: object, path: tuple[str, ...], above: frozenset[int]) -> tuple[tuple[str, ...], float] | None:

@@ -26,6 +26,8 @@ class Other(Strict):
 
     kind: Literal["other"] = "other"
     limit: float
+    # A value that is also another member's tag must not confuse the two.
+    like: Literal["inner", "other"] = "other"
 
 
 class Outer(Strict):
@@ -43,7 +45,7 @@ BAD_DATA = {
     "nothing near": ({"zzz": 1}, "f.yaml zzz: unknown key; accepted: mode, part, parts, named, value"),
     "in a union": (
         {"part": {"kind": "other", "limt": 1}},
-        "f.yaml part.limt: unknown key (and 1 more); accepted: did you mean limit? valid: kind, limit",
+        "f.yaml part.limt: unknown key (and 1 more); accepted: did you mean limit, like? valid: kind, limit, like",
     ),
     "in a list": (
         {"parts": [{"gain": 1}, {"gain": 1, "gian": 2}]},
@@ -75,6 +77,14 @@ def test_missing_key_of_a_union_member_is_named() -> None:
     """A key missing inside a chosen union member is named without the member's tag."""
     with pytest.raises(SpecError, match=r"^f\.yaml part\.limit: is required and missing$"):
         validate(Outer, {"part": {"kind": "other"}}, "f.yaml")
+
+
+def test_valid_keys_are_those_of_the_chosen_member() -> None:
+    """Only the keys of the union member that the tag chose are offered."""
+    with pytest.raises(
+        SpecError, match=r"part\.gian: unknown key; accepted: did you mean gain, kind\? valid: kind, gain$"
+    ):
+        validate(Outer, {"part": {"kind": "inner", "gain": 1, "gian": 1}}, "f.yaml")
 
 
 def test_long_values_do_not_bury_the_message() -> None:
