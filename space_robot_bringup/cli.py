@@ -1,4 +1,7 @@
-"""The command line: it parses, calls the library and prints; nothing else."""
+"""The command line: it parses, calls the library and prints; nothing else.
+
+Imports of the library stand inside the commands: numba and Pinocchio take a second to load, and ``--help`` needs none.
+"""
 
 from __future__ import annotations
 
@@ -6,23 +9,19 @@ import json
 import signal
 import sys
 from pathlib import Path
-from typing import Annotated, Any, Never
+from typing import TYPE_CHECKING, Annotated, Any, Never
 
 import typer
 from rich.console import Console
 
-from space_robot_bringup import render
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import Experiment, experiment_path, load_experiment, with_duration
-from space_robot_bringup.progress import Progress
-from space_robot_bringup.run import MODES, Hooks, RunResult, run_experiment
-from space_robot_bringup.stopping import StopFlag
-from space_robot_description.load import load_robot
-from space_robot_description.report import robot_report
-from space_robot_description.share import shipped
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
+if TYPE_CHECKING:
+    from space_robot_bringup.experiment import Experiment
+    from space_robot_bringup.run import RunResult
+
 FAILED, BAD_INPUT = 1, 2
+MODES = ("headless", "graph", "processes")
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -35,6 +34,7 @@ app = typer.Typer(
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
+ExperimentArgument = Annotated[str, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")]
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="override one key, e.g. controller.gains.damping=0.7"),
@@ -45,33 +45,40 @@ JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object 
 @app.command("list")
 def list_shipped() -> None:
     """List the shipped experiments and robots."""
-    for kind in ("experiments", "robots"):
-        out.print(f"[bold]{kind}[/bold]")
-        for name in shipped(kind):
-            out.print(f"  {name:<28}{_title(kind, name)}", markup=False)
+    from space_robot_bringup.catalogue import catalogue
+
+    for kind, rows in catalogue().items():
+        out.print(kind, style="bold")
+        for name, title in rows.items():
+            out.print(f"  {name:<28}{title}", markup=False, soft_wrap=True)
 
 
 @app.command()
-def check(
-    file: Annotated[str, typer.Argument(help="experiment: shipped name or YAML file")],
-    set_: SetOption = None,
-) -> None:
+def check(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     """Check an experiment completely without flying it."""
-    experiment = load_experiment(file, set_ or ())
-    composition = compose(experiment)
+    from space_robot_bringup.compose import compose
+    from space_robot_bringup.experiment import load_experiment
+
+    spec = load_experiment(experiment, set_ or ())
+    nominal = compose(spec).nominal
     out.print(
-        f"{file}: fine. {composition.nominal.name}, {composition.nominal.n} joints, {experiment.controller.law}, "
-        f"{experiment.steps} periods of {experiment.control_period:g} s",
+        f"{experiment}: fine. {nominal.name}, {nominal.n} joints, {spec.controller.law}, "
+        f"{spec.steps} periods of {spec.control_period:g} s",
         markup=False,
+        soft_wrap=True,
     )
 
 
 @app.command()
 def robot(
-    file: Annotated[str, typer.Argument(help="robot: shipped name or YAML file")],
+    file: Annotated[str, typer.Argument(help="shipped name or YAML file")],
     as_json: JsonOption = False,
 ) -> None:
     """Print mass, inertia, momentum capacity, reach and the condition of the base-arm coupling of a robot."""
+    from space_robot_bringup import render
+    from space_robot_description.load import load_robot
+    from space_robot_description.report import robot_report
+
     report = robot_report(load_robot(file))
     if as_json:
         print(json.dumps(report.to_dict(), allow_nan=False))
@@ -81,7 +88,7 @@ def robot(
 
 @app.command()
 def run(
-    experiment: Annotated[str, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")],
+    experiment: ExperimentArgument,
     mode: Annotated[str, typer.Option(help=f"one of: {', '.join(MODES)}")] = "headless",
     directory: Annotated[Path | None, typer.Option("--out", help="run directory; default runs/<name>")] = None,
     realtime: Annotated[
@@ -96,6 +103,9 @@ def run(
         raise SpecError("no such mode", key="--mode", value=mode, accepted=", ".join(MODES))
     if realtime is not None and not 1e-3 <= realtime <= 1e4:
         raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
+    from space_robot_bringup import render
+    from space_robot_bringup.experiment import experiment_path, load_experiment, with_duration
+
     spec = with_duration(load_experiment(experiment, set_ or ()), duration)
     place = directory or Path("runs") / experiment_path(experiment).stem
     result = _fly(spec, place, mode, realtime, quiet=as_json)
@@ -110,29 +120,19 @@ def run(
 @app.command()
 def schema() -> None:
     """Print the JSON schema of experiment files, for editors."""
+    from space_robot_bringup.experiment import Experiment
+
     print(json.dumps(Experiment.model_json_schema(), indent=2))
 
 
 def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
+    from space_robot_bringup.progress import Progress
+    from space_robot_bringup.run import Hooks, run_experiment
+    from space_robot_bringup.stopping import StopFlag
+
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
-
-
-def _title(kind: str, name: str) -> str:
-    if kind == "experiments":
-        spec = load_experiment(name)
-        return f"{spec.title} ({spec.source})" if spec.source else spec.title
-    return load_robot_title(name)
-
-
-def load_robot_title(name: str) -> str:
-    """One line about a shipped robot; robots whose URDF comes with an absent package are listed all the same."""
-    try:
-        made = load_robot(name)
-    except SpaceRobotError as error:
-        return f"not available here: {error}"
-    return f"{made.n} joints, {made.base_mode}"
 
 
 def main() -> Never:
@@ -144,11 +144,13 @@ def main() -> Never:
         sys.exit(BAD_INPUT)
     except typer.Exit as end:
         sys.exit(end.exit_code)
+    except (KeyboardInterrupt, typer.Abort):
+        sys.exit(FAILED)
     except Exception as error:
         # Usage errors of the parser know how to show themselves; anything else is a bug and shows its trace.
-        show = getattr(error, "show", None)
+        show = getattr(error, "format_message", None)
         if show is None:
             raise
-        show()
+        err.print(f"space-robot: {show()}; see --help", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
     sys.exit(0)

@@ -18,7 +18,6 @@ from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.log_writer import LogSink
 
 Mode = Literal["headless", "graph", "processes"]
-MODES: tuple[Mode, ...] = ("headless", "graph", "processes")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +42,7 @@ class RunResult:
         end_reason: ``completed``, ``interrupted``, ``terminated`` or an error.
         metrics: None where no tick was completed.
         checks: the verdict, bound by bound.
-        wall_time: [s] of the flight, set-up not counted.
+        wall_time: [s] from the first tick to the last; set-up is not counted.
     """
 
     directory: Path
@@ -77,10 +76,35 @@ def run_experiment(
     if mode == "headless" and realtime is not None:
         raise SpecError("has no wall clock", key="--realtime", value=realtime, accepted="--mode graph or processes")
     composition = compose(experiment)
-    begin = perf_counter()
-    reason = _fly(composition, directory, mode, realtime, hooks)
-    wall_time = perf_counter() - begin
-    return judge_log(directory, composition, reason, wall_time)
+    stopwatch = Stopwatch(hooks)
+    reason = _fly(composition, directory, mode, realtime, stopwatch.hooks)
+    return judge_log(directory, composition, reason, stopwatch.seconds)
+
+
+class Stopwatch:
+    """Times a flight from its first to its last tick, so that imports, compilation and discovery are not counted.
+
+    Args:
+        hooks: whom to pass everything on to.
+    """
+
+    def __init__(self, hooks: Hooks) -> None:
+        self._on_tick = hooks.on_tick
+        self._first: float | None = None
+        self._last = 0.0
+        self.hooks = Hooks(on_tick=self._reach, stop=hooks.stop)
+
+    @property
+    def seconds(self) -> float:
+        """[s] between the first and the last tick seen."""
+        return 0.0 if self._first is None else self._last - self._first
+
+    def _reach(self, tick: int) -> None:
+        if tick >= 0:
+            self._last = perf_counter()
+            if self._first is None:
+                self._first = self._last
+        self._on_tick(tick)
 
 
 def judge_log(directory: Path, composition: Composition, reason: str, wall_time: float) -> RunResult:
@@ -107,10 +131,16 @@ def _fly(composition: Composition, directory: Path, mode: Mode, realtime: float 
             on_tick=hooks.on_tick,
             stop=hooks.stop,
         )
-    if mode == "graph":
+    try:
+        # Only here: everything else works on a machine without ROS.
         from space_robot_bringup.graph import fly_graph
-
-        return fly_graph(composition, directory, realtime=realtime, hooks=hooks)
-    from space_robot_bringup.processes import fly_processes
-
-    return fly_processes(composition, directory, realtime=realtime, hooks=hooks)
+        from space_robot_bringup.processes import fly_processes
+    except ImportError as error:
+        raise SpecError(
+            f"needs ROS 2 Jazzy ({error})",
+            key="--mode",
+            value=mode,
+            accepted="headless, or install space-robot[ros], or source a Jazzy",
+        ) from None
+    fly = fly_graph if mode == "graph" else fly_processes
+    return fly(composition, directory, realtime=realtime, hooks=hooks)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
 
-from space_robot_description.spec import Strict, Three
+from space_robot_description.spec import PerJoint, Strict, Three
 
 Four = Annotated[tuple[float, ...], Field(min_length=4, max_length=4)]
 JointTargets = tuple[float, ...] | dict[str, float]
@@ -21,12 +21,16 @@ class Target(Strict):
     quaternion: Four | None = Field(default=None, description="the same as x, y, z, w, of any length but zero [-]")
     joints: JointTargets | None = Field(default=None, description="a list, or a mapping by joint name [rad or m]")
     joints_deg: JointTargets | None = Field(default=None, description="the same in degrees [deg]")
+    joints_by_deg: PerJoint | None = Field(
+        default=None, description="how far to move: one number for all joints, a list or a mapping by name [deg]"
+    )
 
     @model_validator(mode="after")
     def _said_once(self) -> Self:
-        for first, second in (("attitude_deg", "quaternion"), ("joints", "joints_deg")):
-            if getattr(self, first) is not None and getattr(self, second) is not None:
-                raise ValueError(f"say {first} or {second}, not both")
+        for ways in (("attitude_deg", "quaternion"), ("joints", "joints_deg", "joints_by_deg")):
+            said = [way for way in ways if getattr(self, way) is not None]
+            if len(said) > 1:
+                raise ValueError(f"say {' or '.join(said)}, not both")
         return self
 
 

@@ -58,6 +58,10 @@ def configuration(target: Target, robot: Robot, previous: Vector, key: str) -> V
         rest = np.degrees(q[7:]).tolist()
         q[7:] = np.radians(expand(target.joints_deg, robot.joint_names, f"{key}.joints_deg", rest))
         check_limits(q[7:], q[7:], robot, f"{key}.joints_deg", in_degrees=True)
+    if target.joints_by_deg is not None:
+        still = [0.0] * robot.n
+        q[7:] += np.radians(expand(target.joints_by_deg, robot.joint_names, f"{key}.joints_by_deg", still))
+        check_limits(q[7:], q[7:], robot, f"{key}.joints_by_deg", in_degrees=True)
     return q
 
 
