@@ -230,3 +230,12 @@ def test_every_gain_says_what_it_is_and_in_which_unit() -> None:
         for field in law_class(name).Gains.model_fields.values():
             assert field.description
             assert "[" in field.description or field.annotation is bool
+
+
+def test_documentation_names_every_law_gain_and_block() -> None:
+    """docs/laws.md mentions each built-in law, each gain and each block of telemetry."""
+    text = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
+    for name in registry.BUILT_IN:
+        law = make_law(name, FLOATING, 0.1)
+        for word in (name, *law.Gains.model_fields, *law.update(state_at(), reference_at()).telemetry.labels):
+            assert f"`{word}`" in text

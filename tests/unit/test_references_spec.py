@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+import re
+from pathlib import Path
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
 from space_robot_control.references import Recorded, ReferenceSpec, make_reference
+from space_robot_control.references.spec import Wave, Waypoint
 from space_robot_msgs_py.errors import CommandError, NonFiniteError, SpaceRobotError, SpecError
 from space_robot_msgs_py.interfaces import Reference
 from tests.robots import arm_model, random_state, robot_of
@@ -70,6 +73,27 @@ def test_spline_that_overshoots_a_limit_between_waypoints_is_refused() -> None:
     make_reference(spec, ROBOT, START)
     with pytest.raises(SpecError, match=r"spline between the waypoints.*joint_0: outside the joint's limits"):
         make_reference({**spec, "interpolation": "spline"}, ROBOT, START)
+
+
+def test_joints_move_by_an_angle_from_where_the_motion_before_ended() -> None:
+    """joints_by_deg adds to the previous configuration: one number for all, a list, or a mapping that leaves others."""
+    points = [{"time": 1.0, "joints_by_deg": 10.0}, {"time": 2.0, "joints_by_deg": {"joint_1": -5.0}}]
+    source = make_reference({"kind": "waypoints", "points": points}, ROBOT, START)
+    np.testing.assert_allclose(source.at(1_000_000_000).q[7:], START[7:] + np.radians(10.0), atol=1e-15)
+    np.testing.assert_allclose(source.at(2_000_000_000).q[7:], START[7:] + np.radians([10, 5, 10]), atol=1e-15)
+    with pytest.raises(SpecError, match=r"joints_by_deg.joint_0: outside .* got 65\.7"):
+        make_reference({"kind": "hold", "joints_by_deg": 60.0}, ROBOT, START)
+
+
+def test_documentation_names_every_kind_and_key() -> None:
+    """docs/laws.md mentions each kind of reference and each of its keys."""
+    text = (Path(__file__).parents[2] / "docs" / "laws.md").read_text(encoding="utf-8")
+    text = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+    models = [*get_args(get_args(ReferenceSpec)[0]), Waypoint, Wave]
+    words = set(re.findall(r"\w+", " ".join(re.findall(r"`([^`]+)`", text))))
+    for model in models:
+        for name, field in model.model_fields.items():
+            assert (field.default if name == "kind" else name) in words
 
 
 def test_a_limit_rounded_in_the_file_admits_the_full_angle() -> None:
