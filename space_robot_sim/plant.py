@@ -15,8 +15,8 @@ from space_robot_sim.fallback import PinocchioIntegrator
 from space_robot_sim.integrators import IntegratorSpec, compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.arrays import robot_arrays
-from space_robot_sim.kernel.period import Flight, flight, fly, keep_books, settle
-from space_robot_sim.kernel.rhs import Drive, slope
+from space_robot_sim.kernel.period import Flight, flight, fly, open_books, settle
+from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.sensors import Sensors, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
@@ -101,7 +101,7 @@ class SimulatedRobot:
         self._held = np.zeros(6 + self._n)
         self._waiting = np.zeros(6 + self._n)
         self._sensors.reset()
-        self._rest()
+        self._advance(self._held, start=True)
         return self._show(self._held)
 
     def step(self, command: Command | None) -> PlantSample:
@@ -128,27 +128,20 @@ class SimulatedRobot:
         self._held = command.u
         return self._held
 
-    def _advance(self, acting: Vector) -> int:
+    def _advance(self, acting: Vector, *, start: bool = False) -> int:
+        """One period under a command, or with ``start`` only the books of the initial state; returns a status."""
         plant = self._flight
         if self._fallback is None:
-            return fly(self._arrays, self._able, self._how, acting, self._seconds, plant)
+            return fly(self._arrays, self._able, self._how, acting, self._seconds, plant, start)
         count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
         drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
+        if start:
+            open_books(self._arrays, self._able, drive, plant)
+            return DONE
         status = self._fallback.integrate(drive, count, self._how, plant.y, plant.scratch)
         if status == DONE:
             settle(self._arrays, self._able, self._seconds, plant)
         return status
-
-    def _rest(self) -> None:
-        """Balance and acceleration of the initial state, with nothing but stored wheel momentum acting."""
-        plant = self._flight
-        allocate(self._able, self._held, self._seconds, plant.wheels, plant.allocation)
-        drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
-        slope(self._arrays, drive, 0, 0.0, plant.y, plant.scratch.slope, plant.scratch)
-        keep_books(self._arrays, self._able, plant)
-        plant.initial[:] = plant.now
-        keep_books(self._arrays, self._able, plant)
-        plant.gauges[3] = 0.0
 
     def _show(self, acting: Vector) -> PlantSample:
         plant, n = self._flight, self._n

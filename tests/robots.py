@@ -98,5 +98,112 @@ def random_state(rng: np.random.Generator, joints: int, speed: float = 1.0) -> t
     return q, rng.normal(size=6 + joints) * speed
 
 
+class LivelyMotion:
+    """Computed torque for a free-floating robot whose joints swing.
+
+    Args:
+        model: the robot.
+        rng: of amplitudes (0.6-1 rad), frequencies (0.1-0.2 Hz times speed) and phases.
+        speed: factor on the frequencies.
+    """
+
+    def __init__(self, model: Any, rng: np.random.Generator, speed: float = 1.0) -> None:
+        self._model, self._data, n = model, model.createData(), model.nv - 6
+        self._amplitude, self._phase = rng.uniform(0.6, 1.0, n), rng.uniform(0.0, 6.0, n)
+        self._omega = speed * 2.0 * np.pi * rng.uniform(0.1, 0.2, n)
+
+    def desired(self, t: float) -> tuple[Vector, Vector, Vector]:
+        """Joint positions, rates and accelerations."""
+        angle = self._omega * t + self._phase
+        a, w = self._amplitude, self._omega
+        return a * np.sin(angle), a * w * np.cos(angle), -a * w**2 * np.sin(angle)
+
+    def start(self) -> tuple[Vector, Vector]:
+        """A configuration and a velocity on the motion, with some net momentum."""
+        joints, rates, _ = self.desired(0.0)
+        return np.array([0, 0, 0, 0, 0, 0, 1.0, *joints]), np.array([0.02, -0.015, 0.01, 0.04, -0.03, 0.02, *rates])
+
+    def effort(self, t: float, q: Vector, v: Vector) -> Vector:
+        """Joint efforts that bring the joints to the motion, the base free."""
+        joints, rates, _ = self.desired(t)
+        # The effort is held for 0.1 s: aim at the acceleration of its middle.
+        wanted = self.desired(t + 0.05)[2] + 1.0 * (joints - q[7:]) + 2.0 * (rates - v[6:])
+        mass = pin.crba(self._model, self._data, q, pin.Convention.LOCAL)
+        mass = np.triu(mass) + np.triu(mass, 1).T
+        bias = pin.nonLinearEffects(self._model, self._data, q, v)
+        base = -np.linalg.solve(mass[:6, :6], mass[:6, 6:] @ wanted + bias[:6])
+        return mass[6:, :6] @ base + mass[6:, 6:] @ wanted + bias[6:]
+
+
 def _unit(a: Vector) -> Vector:
     return a / np.linalg.norm(a)
+
+
+def mjcf(model: Any, timestep: float) -> str:
+    """The same robot for MuJoCo: free base, no gravity, no contact, RK4."""
+    data = model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    return (
+        f'<mujoco><compiler angle="radian" autolimits="false"/><option gravity="0 0 0" integrator="RK4" '
+        f'timestep="{timestep!r}"><flag contact="disable"/></option>'
+        f"<worldbody>{_mjcf_body(model, data, 1)}</worldbody></mujoco>"
+    )
+
+
+def _mjcf_body(model: Any, data: Any, index: int) -> str:
+    placement, inertia = model.jointPlacements[index], model.inertias[index]
+    moment = inertia.inertia
+    parts = [
+        f'<body name="{model.names[index]}" pos="{_text(placement.translation)}" '
+        f'quat="{_text(_wxyz(placement.rotation))}">',
+        "<freejoint/>" if index == 1 else _mjcf_joint(model, data, index),
+        f'<inertial pos="{_text(inertia.lever)}" mass="{inertia.mass!r}" '
+        f'fullinertia="{_text([*np.diag(moment), moment[0, 1], moment[0, 2], moment[1, 2]])}"/>',
+    ]
+    children = [child for child in range(2, model.njoints) if model.parents[child] == index]
+    return "".join([*parts, *(_mjcf_body(model, data, child) for child in children), "</body>"])
+
+
+def _mjcf_joint(model: Any, data: Any, index: int) -> str:
+    column = pin.getJointJacobian(model, data, index, pin.LOCAL)[:, model.joints[index].idx_v]
+    kind, axis = ("slide", column[:3]) if column[:3].any() else ("hinge", column[3:])
+    return f'<joint name="{model.names[index]}_joint" type="{kind}" axis="{_text(axis)}"/>'
+
+
+def _wxyz(rotation: Vector) -> Vector:
+    return np.roll(pin.Quaternion(rotation).coeffs(), 1)
+
+
+def _text(numbers: Any) -> str:
+    return " ".join(repr(float(number)) for number in numbers)
+
+
+class MujocoTwin:
+    """A MuJoCo simulation of a model whose state is read and written in this project's conventions."""
+
+    def __init__(self, model: Any, timestep: float) -> None:
+        import mujoco
+
+        self._step = mujoco.mj_step
+        self.model = mujoco.MjModel.from_xml_string(mjcf(model, timestep))
+        self.data = mujoco.MjData(self.model)
+        joints = [self.model.joint(f"{name}_joint") for name in model.names[2:]]
+        self._q = np.array([int(joint.qposadr[0]) for joint in joints], dtype=int)
+        self._v = np.array([int(joint.dofadr[0]) for joint in joints], dtype=int)
+
+    def set(self, q: Vector, v: Vector) -> None:
+        """Set configuration and velocity (MuJoCo: quaternion wxyz, linear velocity in the world frame)."""
+        self.data.qpos[:3], self.data.qpos[3:7], self.data.qpos[self._q] = q[:3], np.roll(q[3:7], 1), q[7:]
+        self.data.qvel[:3] = pin.Quaternion(np.array(q[3:7])).matrix() @ v[:3]
+        self.data.qvel[3:6], self.data.qvel[self._v] = v[3:6], v[6:]
+
+    def step(self, torque: Vector, effort: Vector, steps: int) -> None:
+        """Hold a body torque and joint efforts for that many time steps."""
+        self.data.qfrc_applied[3:6], self.data.qfrc_applied[self._v] = torque, effort
+        self._step(self.model, self.data, steps)
+
+    @property
+    def q(self) -> Vector:
+        """Configuration with quaternion xyzw."""
+        pose = self.data.qpos
+        return np.concatenate([pose[:3], np.roll(pose[3:7], -1), pose[self._q]])

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
-from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.arrays import BASE, INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
+from space_robot_sim.kernel.jit import constants, inner, kernel
 from space_robot_sim.kernel.spatial import (
     Mat,
     Sym,
@@ -34,23 +34,8 @@ from space_robot_sim.kernel.spatial import (
 
 # Columns of the workspace, one row per body. _A, _H, _M: articulated inertia; _N, _F: bias moment and force;
 # _UN, _UF, _D, _E: joint column of the inertia, 1/its diagonal, joint effort left; _AW, _AV: spatial acceleration.
-_R, _P, _W, _V, _A, _H, _M, _N, _F, _UN, _UF, _D, _E, _AW, _AV = (
-    0,
-    9,
-    12,
-    15,
-    18,
-    24,
-    33,
-    39,
-    42,
-    45,
-    48,
-    51,
-    52,
-    53,
-    56,
-)
+_R, _P, _W, _V, _A, _H, _M, _N, _F = constants(0, 9, 12, 15, 18, 24, 33, 39, 42)
+_UN, _UF, _D, _E, _AW, _AV = constants(45, 48, 51, 52, 53, 56)
 WORKSPACE = 60
 
 
@@ -78,7 +63,7 @@ def forward_dynamics(
         _accelerate_joint(robot, body, y[12 + bodies + body - 1], work, dy)
 
 
-@kernel
+@inner
 def place(robot: RobotArrays, body: int, joint: float, out: Vector) -> None:
     """Write into row ``body`` of out: rotation to the parent (9) and origin in the parent (3) at a joint position."""
     links = robot.links
@@ -103,7 +88,7 @@ def place(robot: RobotArrays, body: int, joint: float, out: Vector) -> None:
     put3(out, body, _P, origin)
 
 
-@kernel
+@inner
 def _outward(robot: RobotArrays, y: Vector, work: Vector) -> None:
     """Placements and velocities from the base out; each body's own inertia and bias force."""
     bodies = robot.links.shape[0]
@@ -127,7 +112,7 @@ def _outward(robot: RobotArrays, y: Vector, work: Vector) -> None:
         _own_inertia(robot.links, body, v, w, work)
 
 
-@kernel
+@inner
 def _own_inertia(links: Vector, body: int, v: Vec, w: Vec, work: Vector) -> None:
     """Inertia of one body alone, and the force that its motion without acceleration needs."""
     mass, h, inertia = links[body, MASS], get3(links, body, MOMENT), get6(links, body, INERTIA)
@@ -144,7 +129,7 @@ def _own_inertia(links: Vector, body: int, v: Vec, w: Vec, work: Vector) -> None
     put3(work, body, _F, cross(w, linear))
 
 
-@kernel
+@inner
 def _inward(robot: RobotArrays, body: int, effort: float, rate: float, work: Vector) -> None:
     """Hand the articulated inertia and bias force of a body, seen through its joint, to its parent."""
     above = robot.tree[body, PARENT]
@@ -168,14 +153,14 @@ def _inward(robot: RobotArrays, body: int, effort: float, rate: float, work: Vec
     _add_to_parent(a, h, m, n, f, work, body, above)
 
 
-@kernel
+@inner
 def _less_outer(s: Sym, d: float, u: Vec) -> Sym:
     """S - d u u^T."""
     x, y, z = d * u[0], d * u[1], d * u[2]
     return s[0] - x * u[0], s[1] - x * u[1], s[2] - x * u[2], s[3] - y * u[1], s[4] - y * u[2], s[5] - z * u[2]
 
 
-@kernel
+@inner
 def _less_product(m: Mat, d: float, a: Vec, b: Vec) -> Mat:
     """M - d a b^T."""
     x, y, z = d * a[0], d * a[1], d * a[2]
@@ -192,7 +177,7 @@ def _less_product(m: Mat, d: float, a: Vec, b: Vec) -> Mat:
     )
 
 
-@kernel
+@inner
 def _add_to_parent(a: Sym, h: Mat, m: Sym, n: Vec, f: Vec, work: Vector, body: int, above: int) -> None:
     """Turn inertia and bias force into the parent's frame, move them to its origin, add them to its own."""
     r, p = get9(work, body, _R), get3(work, body, _P)
@@ -227,13 +212,13 @@ def _add_to_parent(a: Sym, h: Mat, m: Sym, n: Vec, f: Vec, work: Vector, body: i
     put3(work, above, _F, add(get3(work, above, _F), f))
 
 
-@kernel
+@inner
 def _accelerate_base(force: Vec, torque: Vec, work: Vector, dy: Vector, k: int) -> None:
     """Solve [A H; H^T M] [dw; dv] = applied - bias through the Schur complement of M."""
-    a, h = get6(work, 0, _A), get9(work, 0, _H)
-    n = add(torque, scaled(-1.0, get3(work, 0, _N)))
-    f = add(force, scaled(-1.0, get3(work, 0, _F)))
-    lower = factor(get6(work, 0, _M))
+    a, h = get6(work, BASE, _A), get9(work, BASE, _H)
+    n = add(torque, scaled(-1.0, get3(work, BASE, _N)))
+    f = add(force, scaled(-1.0, get3(work, BASE, _F)))
+    lower = factor(get6(work, BASE, _M))
     hx, hy, hz = (h[0], h[1], h[2]), (h[3], h[4], h[5]), (h[6], h[7], h[8])
     x, y, z = solve(lower, hx), solve(lower, hy), solve(lower, hz)
     schur = factor(
@@ -248,13 +233,13 @@ def _accelerate_base(force: Vec, torque: Vec, work: Vector, dy: Vector, k: int) 
     )
     dw = solve(schur, (n[0] - dot(x, f), n[1] - dot(y, f), n[2] - dot(z, f)))
     dv = solve(lower, add(f, scaled(-1.0, mul_t(h, dw))))
-    put3(work, 0, _AW, dw)
-    put3(work, 0, _AV, dv)
+    put3(work, BASE, _AW, dw)
+    put3(work, BASE, _AV, dv)
     dy[k], dy[k + 1], dy[k + 2] = dv
     dy[k + 3], dy[k + 4], dy[k + 5] = dw
 
 
-@kernel
+@inner
 def _accelerate_joint(robot: RobotArrays, body: int, rate: float, work: Vector, dy: Vector) -> None:
     """Acceleration of a joint from that of the parent body."""
     above = robot.tree[body, PARENT]

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.jit import inner, kernel
 from space_robot_sim.kernel.rhs import BEGIN, END, FORCE, RATE, SEGMENT_SIZE, STORED, TORQUE
 
 
@@ -94,7 +94,7 @@ def allocate(able: Capability, command: Vector, period: float, wheels: Vector, o
     return count
 
 
-@kernel
+@inner
 def _wheel_rate(able: Capability, wheel: int, command: Vector) -> float:
     """Momentum rate of a wheel whose reaction is its share of the commanded torque."""
     share = able.share
@@ -102,7 +102,7 @@ def _wheel_rate(able: Capability, wheel: int, command: Vector) -> float:
     return rate
 
 
-@kernel
+@inner
 def _common_scale(able: Capability, command: Vector) -> float:
     """The largest number in [0, 1] by which the command fits every limit."""
     scale = 1.0
@@ -117,7 +117,7 @@ def _common_scale(able: Capability, command: Vector) -> float:
     return scale
 
 
-@kernel
+@inner
 def _pulse(able: Capability, channel: int, period: float, level: Vector) -> float:
     """End of the action of a base channel; a pulsed one fires fully for as long as gives the same impulse."""
     limit = able.limit[channel]
@@ -128,7 +128,7 @@ def _pulse(able: Capability, channel: int, period: float, level: Vector) -> floa
     return length if length >= able.minimum_pulse[channel] else 0.0
 
 
-@kernel
+@inner
 def _turn_wheel(
     able: Capability, wheel: int, scale: float, command: Vector, period: float, stored: float, out: Allocation
 ) -> None:
@@ -146,7 +146,7 @@ def _turn_wheel(
                 out.saturated[3 + k] = 1.0
 
 
-@kernel
+@inner
 def _cut(able: Capability, period: float, wheels: Vector, out: Allocation) -> int:
     """Write the intervals between the ends of actions, in order; returns how many."""
     begin, count = 0.0, 0

@@ -13,10 +13,12 @@ import pinocchio as pin
 
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.jit import constants
 
 # Columns of `links`: rotation to the parent (9), origin in the parent (3), mass, mass * com (3), inertia at origin (6).
-ROTATION, ORIGIN, MASS, MOMENT, INERTIA, LINK_SIZE = 0, 9, 12, 13, 16, 22
-PARENT, PRISMATIC = 0, 1
+ROTATION, ORIGIN, MASS, MOMENT, INERTIA, LINK_SIZE = constants(0, 9, 12, 13, 16, 22)
+PARENT, PRISMATIC = constants(0, 1)
+(BASE,) = constants(0)
 
 
 class RobotArrays(NamedTuple):

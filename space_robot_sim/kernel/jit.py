@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 try:
     import numba
 except ImportError:
@@ -34,6 +36,19 @@ def kernel(function: Function) -> Function:
         compiled = numba.njit(**_OPTIONS)(function)
     result: Function = compiled
     return result
+
+
+def inner(function: Function) -> Function:
+    """Compile a function that only kernels call: it has no entry from Python and lives in its callers' cache."""
+    if numba is None:
+        return function
+    result: Function = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
+    return result
+
+
+def constants(*numbers: int) -> tuple[Any, ...]:
+    """Integers of NumPy: for a literal Python one as argument numba compiles the function anew."""
+    return tuple(np.int64(number) for number in numbers)
 
 
 def _watch_all_sources(compiled: Any) -> None:

@@ -6,8 +6,8 @@ import math
 
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.aba import place
-from space_robot_sim.kernel.arrays import INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, RobotArrays
-from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.arrays import BASE, INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
+from space_robot_sim.kernel.jit import constants, inner, kernel
 from space_robot_sim.kernel.spatial import (
     Vec,
     add,
@@ -26,8 +26,8 @@ from space_robot_sim.kernel.spatial import (
 )
 
 # What `balance` writes: momentum about the inertial origin, energy, sums of the bodies' own magnitudes.
-LINEAR, ANGULAR, ENERGY, GROSS_LINEAR, GROSS_ANGULAR, BALANCE_SIZE = 0, 3, 6, 7, 8, 9
-_W, _V, _TURN, _PLACE = 12, 15, 18, 27
+LINEAR, ANGULAR, ENERGY, GROSS_LINEAR, GROSS_ANGULAR, BALANCE_SIZE = constants(0, 3, 6, 7, 8, 9)
+_W, _V, _TURN, _PLACE = constants(12, 15, 18, 27)
 
 
 @kernel
@@ -48,11 +48,11 @@ def balance(robot: RobotArrays, y: Vector, axes: Vector, wheels: Vector, work: V
         _move(robot, body, y, work)
         _account(robot.links, body, work, out)
     for wheel in range(wheels.shape[0]):
-        spin = scaled(wheels[wheel], mul(get9(work, 0, _TURN), (axes[0, wheel], axes[1, wheel], axes[2, wheel])))
+        spin = scaled(wheels[wheel], mul(get9(work, BASE, _TURN), (axes[0, wheel], axes[1, wheel], axes[2, wheel])))
         _add_angular(out, spin)
 
 
-@kernel
+@inner
 def _move(robot: RobotArrays, body: int, y: Vector, work: Vector) -> None:
     """Velocity of a body in its own frame, its rotation and place in the inertial one."""
     bodies = robot.links.shape[0]
@@ -63,7 +63,7 @@ def _move(robot: RobotArrays, body: int, y: Vector, work: Vector) -> None:
     else:
         place(robot, body, y[6 + body], work)
         above = robot.tree[body, PARENT]
-        relative, shift, w_above = get9(work, body, 0), get3(work, body, ORIGIN), get3(work, above, _W)
+        relative, shift, w_above = get9(work, body, ROTATION), get3(work, body, ORIGIN), get3(work, above, _W)
         turn_above = get9(work, above, _TURN)
         turn, origin = product(turn_above, relative), add(get3(work, above, _PLACE), mul(turn_above, shift))
         w = mul_t(relative, w_above)
@@ -80,7 +80,7 @@ def _move(robot: RobotArrays, body: int, y: Vector, work: Vector) -> None:
     put3(work, body, _PLACE, origin)
 
 
-@kernel
+@inner
 def _account(links: Vector, body: int, work: Vector, out: Vector) -> None:
     """Add one body's share to every sum."""
     v, w, moment = get3(work, body, _V), get3(work, body, _W), get3(links, body, MOMENT)
@@ -95,7 +95,7 @@ def _account(links: Vector, body: int, work: Vector, out: Vector) -> None:
     _add_angular(out, add(mul(turn, angular), cross(get3(work, body, _PLACE), linear)))
 
 
-@kernel
+@inner
 def _add_angular(out: Vector, angular: Vec) -> None:
     for k in range(3):
         out[ANGULAR + k] += angular[k]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.allocation import Allocation, Capability, allocate, allocation
 from space_robot_sim.kernel.arrays import RobotArrays
-from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.jit import inner, kernel
 from space_robot_sim.kernel.momentum import (
     ANGULAR,
     BALANCE_SIZE,
@@ -21,7 +21,7 @@ from space_robot_sim.kernel.momentum import (
     LINEAR,
     balance,
 )
-from space_robot_sim.kernel.rhs import LAG, QUADRATURES, Drive, Scratch, motor_effort, scratch
+from space_robot_sim.kernel.rhs import FIRST, LAG, QUADRATURES, Drive, Scratch, motor_effort, scratch, slope
 from space_robot_sim.kernel.steps import DONE, Stepping, integrate
 
 GAUGES = 7
@@ -64,14 +64,32 @@ def flight(joints: int, wheels: int) -> Flight:
 
 
 @kernel
-def fly(robot: RobotArrays, able: Capability, how: Stepping, command: Vector, period: float, plant: Flight) -> int:
-    """One control period [s] under a command (6+n,); returns the status of `integrate`."""
+def fly(
+    robot: RobotArrays, able: Capability, how: Stepping, command: Vector, period: float, plant: Flight, start: bool
+) -> int:
+    """One control period [s] under a command (6+n,); returns the status of `integrate`.
+
+    With ``start`` no time passes: the books are opened on the state as it is. One entry for both, because every entry
+    from Python costs seconds when it is first compiled.
+    """
     count = allocate(able, command, period, plant.wheels, plant.allocation)
     drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
+    if start:
+        open_books(robot, able, drive, plant)
+        return DONE
     status = integrate(robot, drive, count, how, plant.y, plant.scratch)
     if status == DONE:
         settle(robot, able, period, plant)
     return status
+
+
+@kernel
+def open_books(robot: RobotArrays, able: Capability, drive: Drive, plant: Flight) -> None:
+    """Balance and acceleration of the initial state, against which the run is measured."""
+    slope(robot, drive, FIRST, 0.0, plant.y, plant.scratch.slope, plant.scratch)
+    balance(robot, plant.y, able.axes, plant.wheels, plant.scratch.bodies, plant.initial)
+    keep_books(robot, able, plant)
+    plant.gauges[3] = 0.0
 
 
 @kernel
@@ -94,7 +112,7 @@ def settle(robot: RobotArrays, able: Capability, period: float, plant: Flight) -
     keep_books(robot, able, plant)
 
 
-@kernel
+@inner
 def keep_books(robot: RobotArrays, able: Capability, plant: Flight) -> None:
     """Balance at this instant, its residuals against the start of the run, and the base's acceleration."""
     y, now, initial, largest, gauges = plant.y, plant.now, plant.initial, plant.largest, plant.gauges
@@ -118,6 +136,6 @@ def keep_books(robot: RobotArrays, able: Capability, plant: Flight) -> None:
     gauges[6] = slope[9 + n] + w[0] * v[1] - w[1] * v[0]
 
 
-@kernel
+@inner
 def _relative(error: float, scale: float) -> float:
     return error / scale if scale > 0.0 else 0.0

@@ -16,14 +16,15 @@ import numpy.typing as npt
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.aba import WORKSPACE, forward_dynamics
 from space_robot_sim.kernel.arrays import RobotArrays
-from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.jit import constants, inner, kernel
 from space_robot_sim.kernel.spatial import Vec, add, cross, dot, get3, mul, rotation, scaled
 from space_robot_sim.kernel.tableau import STAGES
 
 QUADRATURES = 7
 # Columns of `segments`: begin and end [s], force, external torque, wheel momentum rate, wheel momentum at begin.
-BEGIN, END, FORCE, TORQUE, RATE, STORED, SEGMENT_SIZE = 0, 1, 2, 5, 8, 11, 14
-LAG, VISCOUS, COULOMB, COULOMB_VELOCITY = 0, 1, 2, 3
+BEGIN, END, FORCE, TORQUE, RATE, STORED, SEGMENT_SIZE = constants(0, 1, 2, 5, 8, 11, 14)
+LAG, VISCOUS, COULOMB, COULOMB_VELOCITY = constants(0, 1, 2, 3)
+(FIRST,) = constants(0)
 
 
 class Drive(NamedTuple):
@@ -58,13 +59,13 @@ def scratch(joints: int) -> Scratch:
     )
 
 
-@kernel
+@inner
 def motor_effort(asked: float, start: float, lag: float, t: float) -> float:
     """Effort of a first-order motor t after it was told to go from ``start`` to ``asked``."""
     return asked + (start - asked) * math.exp(-t / lag) if lag > 0.0 else asked
 
 
-@kernel
+@inner
 def joint_efforts(robot: RobotArrays, drive: Drive, t: float, y: Vector, out: Vector) -> float:
     """Motor effort less friction at every joint; returns their power [W]."""
     n = drive.effort.shape[0]
@@ -81,7 +82,7 @@ def joint_efforts(robot: RobotArrays, drive: Drive, t: float, y: Vector, out: Ve
     return power
 
 
-@kernel
+@inner
 def base_torque(drive: Drive, k: int, t: float, omega: Vec) -> Vec:
     """Moment on the base: external torque and the wheels' reaction, -d/dt of their momentum in inertial space."""
     stored, rate = get3(drive.segments, k, STORED), get3(drive.segments, k, RATE)
@@ -90,7 +91,7 @@ def base_torque(drive: Drive, k: int, t: float, omega: Vec) -> Vec:
     return add(get3(drive.segments, k, TORQUE), scaled(-1.0, reaction))
 
 
-@kernel
+@inner
 def kinematics(y: Vector, n: int, dy: Vector) -> None:
     """Rates of position, quaternion (1/2 q omega) and joints."""
     x, yy, z, w = y[3], y[4], y[5], y[6]
@@ -104,7 +105,7 @@ def kinematics(y: Vector, n: int, dy: Vector) -> None:
         dy[7 + joint] = y[13 + n + joint]
 
 
-@kernel
+@inner
 def quadratures(drive: Drive, k: int, joint_power: float, y: Vector, dy: Vector) -> None:
     """Power of everything applied, and external force and moment in the inertial frame (the wheels' are internal)."""
     n = drive.effort.shape[0]

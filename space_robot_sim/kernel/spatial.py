@@ -6,26 +6,26 @@ A symmetric matrix is (xx, xy, xz, yy, yz, zz); a general one is its nine elemen
 from __future__ import annotations
 
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.jit import kernel
+from space_robot_sim.kernel.jit import inner
 
 Vec = tuple[float, float, float]
 Sym = tuple[float, float, float, float, float, float]
 Mat = tuple[float, float, float, float, float, float, float, float, float]
 
 
-@kernel
+@inner
 def get3(rows: Vector, i: int, k: int) -> Vec:
     """Three numbers of row i from column k."""
     return rows[i, k], rows[i, k + 1], rows[i, k + 2]
 
 
-@kernel
+@inner
 def get6(rows: Vector, i: int, k: int) -> Sym:
     """Six numbers of row i from column k."""
     return rows[i, k], rows[i, k + 1], rows[i, k + 2], rows[i, k + 3], rows[i, k + 4], rows[i, k + 5]
 
 
-@kernel
+@inner
 def get9(rows: Vector, i: int, k: int) -> Mat:
     """Nine numbers of row i from column k."""
     return (
@@ -41,37 +41,37 @@ def get9(rows: Vector, i: int, k: int) -> Mat:
     )
 
 
-@kernel
+@inner
 def put3(rows: Vector, i: int, k: int, a: Vec) -> None:
     """Store three numbers in row i from column k."""
     rows[i, k], rows[i, k + 1], rows[i, k + 2] = a
 
 
-@kernel
+@inner
 def add(a: Vec, b: Vec) -> Vec:
     """Sum of two vectors."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@kernel
+@inner
 def scaled(s: float, a: Vec) -> Vec:
     """A vector times a number."""
     return s * a[0], s * a[1], s * a[2]
 
 
-@kernel
+@inner
 def dot(a: Vec, b: Vec) -> float:
     """Scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+@inner
 def cross(a: Vec, b: Vec) -> Vec:
     """Scalar product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@kernel
+@inner
 def mul(m: Mat, a: Vec) -> Vec:
     """M a."""
     return (
@@ -81,7 +81,7 @@ def mul(m: Mat, a: Vec) -> Vec:
     )
 
 
-@kernel
+@inner
 def mul_t(m: Mat, a: Vec) -> Vec:
     """M^T a."""
     return (
@@ -91,7 +91,7 @@ def mul_t(m: Mat, a: Vec) -> Vec:
     )
 
 
-@kernel
+@inner
 def mul_sym(s: Sym, a: Vec) -> Vec:
     """S a of a symmetric S."""
     return (
@@ -101,7 +101,7 @@ def mul_sym(s: Sym, a: Vec) -> Vec:
     )
 
 
-@kernel
+@inner
 def product(a: Mat, b: Mat) -> Mat:
     """A B."""
     c0 = mul(a, (b[0], b[3], b[6]))
@@ -110,7 +110,7 @@ def product(a: Mat, b: Mat) -> Mat:
     return c0[0], c1[0], c2[0], c0[1], c1[1], c2[1], c0[2], c1[2], c2[2]
 
 
-@kernel
+@inner
 def turned(r: Mat, m: Mat) -> Mat:
     """R M R^T."""
     rows = product(r, m)
@@ -120,7 +120,7 @@ def turned(r: Mat, m: Mat) -> Mat:
     return c0[0], c1[0], c2[0], c0[1], c1[1], c2[1], c0[2], c1[2], c2[2]
 
 
-@kernel
+@inner
 def turned_sym(r: Mat, s: Sym) -> Sym:
     """R S R^T of a symmetric S."""
     x, y, z = (r[0], r[1], r[2]), (r[3], r[4], r[5]), (r[6], r[7], r[8])
@@ -128,7 +128,7 @@ def turned_sym(r: Mat, s: Sym) -> Sym:
     return dot(x, sx), dot(x, sy), dot(x, sz), dot(y, sy), dot(y, sz), dot(z, sz)
 
 
-@kernel
+@inner
 def factor(s: Sym) -> Sym:
     """L D L^T of a positive definite S as (1/d0, l10, l20, 1/d1, l21, 1/d2)."""
     i0 = 1.0 / s[0]
@@ -139,7 +139,7 @@ def factor(s: Sym) -> Sym:
     return i0, l10, l20, i1, l21, 1.0 / (s[5] - l20 * s[2] - l21 * e)
 
 
-@kernel
+@inner
 def solve(f: Sym, b: Vec) -> Vec:
     """S^-1 b with ``f = factor(S)``."""
     y1 = b[1] - f[1] * b[0]
@@ -149,7 +149,7 @@ def solve(f: Sym, b: Vec) -> Vec:
     return b[0] * f[0] - f[1] * y - f[2] * z, y, z
 
 
-@kernel
+@inner
 def rotation(x: float, y: float, z: float, w: float) -> Mat:
     """Rotation matrix of a unit quaternion."""
     return (

@@ -10,13 +10,13 @@ import numpy.typing as npt
 
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.arrays import RobotArrays
-from space_robot_sim.kernel.jit import kernel
-from space_robot_sim.kernel.rhs import BEGIN, END, Drive, Scratch, slope
+from space_robot_sim.kernel.jit import constants, inner, kernel
+from space_robot_sim.kernel.rhs import BEGIN, END, FIRST, Drive, Scratch, slope
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
 
 DOP853, DOP853_ADAPTIVE, RK4 = 0, 1, 2
 DONE, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2
-STEP_BOUND = 20_000
+(STEP_BOUND,) = constants(20_000)
 
 
 class Stepping(NamedTuple):
@@ -59,7 +59,7 @@ def integrate(robot: RobotArrays, drive: Drive, count: int, how: Stepping, y: Ve
     return status if math.isfinite(total) else NOT_FINITE
 
 
-@kernel
+@inner
 def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch) -> None:
     begin, end = drive.segments[k, BEGIN], drive.segments[k, END]
     # The margin keeps round-off in the length of a segment from costing one more step.
@@ -70,12 +70,12 @@ def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, m
         if how.method == RK4:
             _rk4(robot, drive, k, t, h, y, memory)
         else:
-            dop853_stages(robot, drive, k, t, h, y, memory, 0)
+            dop853_stages(robot, drive, k, t, h, y, memory, FIRST)
             for i in range(y.shape[0]):
                 y[i] = memory.trial[i]
 
 
-@kernel
+@inner
 def dop853_stages(
     robot: RobotArrays, drive: Drive, k: int, t: float, h: float, y: Vector, memory: Scratch, first: int
 ) -> None:
@@ -100,7 +100,7 @@ def dop853_stages(
                 trial[i] += weight * stages[j, i]
 
 
-@kernel
+@inner
 def _adaptive(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch, budget: int) -> int:
     """Cross one segment under error control; returns what is left of the budget of steps, 0 where it ran out."""
     t, end, first, most = drive.segments[k, BEGIN], drive.segments[k, END], 0, 5.0
@@ -134,7 +134,7 @@ def step_factor(error: float, most: float) -> float:
     return min(most, max(0.2, 0.9 * error ** (-0.125))) if error > 0.0 else most
 
 
-@kernel
+@inner
 def _step_error(h: float, how: Stepping, y: Vector, memory: Scratch) -> float:
     """Error of the step relative to the tolerance (Hairer, Norsett, Wanner, sec. II.10, eq. 10.17)."""
     sum_5, sum_3 = 0.0, 0.0
@@ -151,7 +151,7 @@ def _step_error(h: float, how: Stepping, y: Vector, memory: Scratch) -> float:
     return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.shape[0])
 
 
-@kernel
+@inner
 def _rk4(robot: RobotArrays, drive: Drive, k: int, t: float, h: float, y: Vector, memory: Scratch) -> None:
     stages, trial = memory.stages, memory.trial
     size = y.shape[0]
