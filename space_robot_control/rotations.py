@@ -82,7 +82,9 @@ def rotate(q: Floats, r: Floats) -> Three:
 def rotate_inverse(q: Floats, r: Floats) -> Three:
     """Return R(q)^T r for a unit quaternion and a vector (3,)."""
     x, y, z, w = _floats(q)
-    return rotate((-x, -y, -z, w), r)
+    a, b, c = _floats(r)
+    tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return a - w * tx + y * tz - z * ty, b - w * ty + z * tx - x * tz, c - w * tz + x * ty - y * tx
 
 
 def cross(a: Floats, b: Floats) -> Three:

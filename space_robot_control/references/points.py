@@ -71,6 +71,8 @@ class PointToPoint:
         self.last = end
         self._first, self._last = first.tolist(), end.tolist()
         self._change = [*(end[:3] - first[:3]).tolist(), *turn, *(end[7:] - first[7:]).tolist()]
+        # The first configuration with an empty place for the attitude: one entry per entry of the change.
+        self._flat = [*self._first[:3], 0.0, 0.0, 0.0, *self._first[7:]]
         self._zero = [0.0] * len(self._change)
         self._start, self._duration = start, duration
 
@@ -86,9 +88,6 @@ class PointToPoint:
             return self._first if s == 0.0 else self._last, self._zero, self._zero
         ds, dds = ds / seconds, dds / (seconds * seconds)
         moved = [s * part for part in change]
-        q = [
-            *(x + dx for x, dx in zip(self._first[:3], moved[:3], strict=True)),
-            *product(self._first[3:7], exp(moved[3:6])),
-            *(x + dx for x, dx in zip(self._first[7:], moved[6:], strict=True)),
-        ]
+        q = [x + dx for x, dx in zip(self._flat, moved, strict=True)]
+        q[3:6] = product(self._first[3:7], exp(moved[3:6]))
         return q, [ds * part for part in change], [dds * part for part in change]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-
-import numpy as np
+from typing import cast
 
 from space_robot_control.rotations import cross, rotate_inverse
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import NANOSECONDS, Reference
+from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
 
 
 def quintic(tau: float) -> tuple[float, float, float]:
@@ -44,7 +43,9 @@ def in_body(stamp: int, q: Sequence[float], v: Sequence[float], a: Sequence[floa
     linear = rotate_inverse(attitude, v[:3])
     x, y, z = rotate_inverse(attitude, a[:3])
     cx, cy, cz = cross(v[3:6], linear)
-    return Reference(stamp, np.array(q), np.array((*linear, *v[3:])), np.array((x - cx, y - cy, z - cz, *a[3:])))
+    body_v, body_a = (*linear, *v[3:]), (x - cx, y - cy, z - cz, *a[3:])
+    # Reference makes its own arrays of whatever it gets; making them here would make them twice.
+    return Reference(stamp, cast(Vector, q), cast(Vector, body_v), cast(Vector, body_a))
 
 
 def nanoseconds(seconds: float, key: str) -> int:
