@@ -63,6 +63,7 @@ def _loop(
         try:
             output = controller.update(sample.state, target)
         except SpaceRobotError as error:
+            sink.record_unanswered(sample, target)
             return f"controller: {error}"
         sink.record(Tick(sample, target, output))
         on_tick(tick)

@@ -18,6 +18,7 @@ from space_robot_description.load import load_robot
 from space_robot_description.payload import attach_payload
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Controller, Plant, ReferenceSource, Vector
 from space_robot_msgs_py.log_header import LogHeader
 from space_robot_sim.plant import InitialState, SimulatedRobot
@@ -82,6 +83,11 @@ def compose(experiment: Experiment) -> Composition:
     """
     # Fixed positions: adding randomness to one part never changes another's draws.
     seeds = tuple(np.random.SeedSequence(experiment.seed).spawn(4))
+    disorder = experiment.plant.dispersion
+    if disorder is not None and disorder.inconsistent == "keep":
+        raise SpecError(
+            "the real robot is physically possible", key="plant.dispersion.inconsistent", value="keep", accepted="reject"
+        )
     robot = load_robot(experiment.robot)
     nominal = _variant(robot, experiment.nominal, seeds[0], "nominal")
     truth = _variant(robot, experiment.plant, seeds[1], "plant")

@@ -54,16 +54,20 @@ def _axes(experiment: Experiment, metrics: RunMetrics) -> Table:
     table = Table(title=experiment.title or None, title_justify="left", box=SIMPLE_HEAD)
     table.add_column("axis", no_wrap=True)
     for heading in ("travel", "final\nerror", "max\nerror", "rms\nerror", "settling\n2 % [s]", "over-\nshoot [%]"):
-        table.add_column(heading, justify="right")
+        table.add_column(heading, justify="right", no_wrap=True)
     for axis in metrics.axes:
         lengths = (axis.travel, axis.final_error, axis.max_error, axis.rms_error)
         table.add_row(
             f"{axis.name} [{axis.unit}]".replace("[", r"\["),
-            *(f"{value:.3g}" for value in lengths),
+            *(_short(value) for value in lengths),
             "-" if axis.settling_time is None else f"{axis.settling_time:g}",
             "-" if axis.overshoot is None else f"{axis.overshoot:.2f}",
         )
     return table
+
+
+def _short(value: float) -> str:
+    return f"{value:.3g}" if value == 0.0 or value >= 1e-3 else f"{value:.0e}"
 
 
 def _totals(mode: str, result: RunResult, metrics: RunMetrics) -> Table:

@@ -250,6 +250,9 @@ class Sink(Protocol):
     def record(self, tick: Tick) -> None:
         """Take one complete tick."""
 
+    def record_unanswered(self, sample: PlantSample, reference: Reference) -> None:
+        """Take the last state of a run whose controller had no answer to it."""
+
     def close(self, reason: str) -> None:
         """No more ticks; say why (``completed``, ``interrupted``, or the error)."""
 

@@ -9,7 +9,7 @@ from typing import IO
 
 from space_robot_msgs_py.codecs import LOGGED, TickCodec, encode_string
 from space_robot_msgs_py.errors import LogError
-from space_robot_msgs_py.interfaces import Tick
+from space_robot_msgs_py.interfaces import PlantSample, Reference, Tick
 from space_robot_msgs_py.log_directory import TEMPORARY, prepare_directory, write_metadata_yaml
 from space_robot_msgs_py.log_header import LogHeader
 from space_robot_msgs_py.log_preamble import CHANNELS, END_NAME, preamble
@@ -149,6 +149,10 @@ class LogSink:
         """Write one tick; it is in the file when this returns."""
         self.writer.write_row(tick.stamp, self._codec.encode(tick))
 
+    def record_unanswered(self, sample: PlantSample, reference: Reference) -> None:
+        """Write the last state of a run whose controller had no answer; it is no complete tick."""
+        self.writer.write_row(sample.state.stamp, self._codec.encode_unanswered(sample, reference))
+
     def close(self, reason: str) -> None:
         """Close the log; later calls do nothing."""
         self.writer.close(reason)
@@ -159,16 +163,22 @@ class MemorySink:
 
     Attributes:
         ticks: all ticks so far.
+        unanswered: the state and reference the controller had no answer to, if there was one.
         end_reason: None until closed.
     """
 
     def __init__(self) -> None:
         self.ticks: list[Tick] = []
+        self.unanswered: tuple[PlantSample, Reference] | None = None
         self.end_reason: str | None = None
 
     def record(self, tick: Tick) -> None:
         """Keep one tick."""
         self.ticks.append(tick)
+
+    def record_unanswered(self, sample: PlantSample, reference: Reference) -> None:
+        """Keep what had no answer."""
+        self.unanswered = (sample, reference)
 
     def close(self, reason: str) -> None:
         """Keep the reason; the first one counts."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.general import canonical_message
-from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Telemetry, Tick
+from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Telemetry, Tick
 from space_robot_msgs_py.layout import Layout
 from space_robot_msgs_py.telemetry_codec import TelemetryCodec
 from space_robot_msgs_py.text_codecs import peek_stamp
@@ -51,6 +51,13 @@ class TickCodec:
             *self.controller_telemetry.encode(output.telemetry),
             *self.plant_telemetry.encode(sample.telemetry),
         )
+
+    def encode_unanswered(self, sample: PlantSample, reference: Reference) -> tuple[bytes | None, ...]:
+        """The messages of a state without an answer, in the order of ``LOGGED``; None where there is none."""
+        parts = dict(zip(self.state.topics, self.state.encode(sample.state), strict=True))
+        parts |= zip(self.reference.topics, self.reference.encode(reference), strict=True)
+        parts[PLANT_TELEMETRY] = self.plant_telemetry.encode(sample.telemetry)[0]
+        return tuple(parts.get(topic) for topic in LOGGED)
 
     def decode(self, parts: Mapping[str, bytes]) -> Tick:
         """The tick in the messages of one stamp, by topic name; telemetry that is not there becomes empty.

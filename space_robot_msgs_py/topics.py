@@ -123,6 +123,15 @@ RUN_END = Topic(
     latched=True,
     recorded=False,
 )
+RECORDER_CREDIT = Topic(
+    "recorder/credit",
+    "rosgraph_msgs/msg/Clock",
+    "event",
+    "recorder",
+    "how far the simulator may go: the run starts when the recorder hears everybody, and never outruns it",
+    latched=True,
+    recorded=False,
+)
 CLOCK = Topic(
     "/clock",
     "rosgraph_msgs/msg/Clock",
@@ -154,6 +163,7 @@ TABLE: tuple[Topic, ...] = (
     CONTROLLER_TELEMETRY,
     PLANT_TELEMETRY,
     RUN_END,
+    RECORDER_CREDIT,
     CLOCK,
     DIAGNOSTICS,
 )

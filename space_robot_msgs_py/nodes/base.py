@@ -9,6 +9,7 @@ from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
 
 from space_robot_msgs_py.codecs import decode_string, encode_string
 from space_robot_msgs_py.errors import LayoutError
@@ -39,7 +40,7 @@ class GraphNode(Node):  # type: ignore[misc]
         """A publisher of that row of the table."""
         return self.create_publisher(message_class(topic), topic.name, qos(topic))
 
-    def listen(self, topic: Topic, callback: Callable[[bytes], None]) -> None:
+    def listen(self, topic: Topic, callback: Callable[[bytes], None]) -> Subscription:
         """Subscribe to the raw bytes of that row of the table.
 
         An exception in a callback would be lost in the executor: it is kept in ``failure`` and ends the run.
@@ -53,7 +54,7 @@ class GraphNode(Node):  # type: ignore[misc]
             except Exception as error:
                 self.fail(error)
 
-        self.create_subscription(message_class(topic), topic.name, guarded, qos(topic), raw=True)
+        return self.create_subscription(message_class(topic), topic.name, guarded, qos(topic), raw=True)
 
     def end(self, reason: str) -> None:
         """Tell the whole graph that the run is over, and why; the first reason counts."""

@@ -39,14 +39,23 @@ class SimulatorHealth:
         silence = (self._clock.now() - self._silent_since).nanoseconds * 1e-9
         self._publish(progress, silence)
         if silence > self._patience:
-            self._simulator.fail(
-                SilenceError(
-                    f"no command answers the state at {self._simulator.stamp} ns",
-                    key="base/wrench_command, joint_command",
-                    value=f"{silence:.0f} s of silence",
-                    accepted=f"an answer within {self._patience:g} s; is a controller running?",
-                )
+            self._simulator.fail(self._silence(silence))
+
+    def _silence(self, seconds: float) -> SilenceError:
+        lasted, limit = f"{seconds:.0f} s of silence", f"within {self._patience:g} s"
+        if not self._simulator.started:
+            return SilenceError(
+                "the run cannot start, the recorder does not hear every node",
+                key="recorder/credit",
+                value=lasted,
+                accepted=f"recorder, guidance and controller on one domain {limit}",
             )
+        return SilenceError(
+            f"no command answers the state at {self._simulator.stamp} ns",
+            key="base/wrench_command, joint_command",
+            value=lasted,
+            accepted=f"an answer {limit}; is a controller running?",
+        )
 
     def _publish(self, progress: int, silence: float) -> None:
         counts = self._simulator.commands.counts

@@ -5,13 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from space_robot_msgs_py.codecs import TopicBytes, decode_string
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.subscription import Subscription
+from rclpy.time import Time
+
+from space_robot_msgs_py.codecs import TopicBytes, decode_string, encode_clock
 from space_robot_msgs_py.errors import CommandError, SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
-from space_robot_msgs_py.topics import BASE_ODOM, ROBOT_DESCRIPTION, TABLE, Topic
+from space_robot_msgs_py.topics import BASE_ODOM, RECORDER_CREDIT, ROBOT_DESCRIPTION, TABLE, Topic
 
 WINDOW = 50
 EARLY = 64
+AHEAD = 256
+ROLL_CALL_SECONDS = 0.02
+GRACE_SECONDS = 1.0
 
 
 class TickWriter(Protocol):
@@ -30,9 +38,10 @@ class TickWriter(Protocol):
 class RecorderNode(GraphNode):
     """Collects the messages of each stamp and writes a tick when all its topics are there.
 
-    The order in the file is by stamp, then by table, whatever the order of arrival: equal runs give equal files. A
-    topic that stays silent (a controller of somebody else without telemetry) is waited for during ``WINDOW`` ticks
-    and then taken as absent. After ``~/reset`` a new log begins, once the first state of the new run is heard;
+    The order in the file is by stamp, then by table, whatever the order of arrival: equal runs give equal files.
+    Nothing is lost: the simulator starts when the recorder hears every topic (a controller of somebody else may have
+    no telemetry: it gets a second) and never runs more than ``AHEAD`` ticks ahead of what is written, which is well
+    inside the depth of the queues. After ``~/reset`` a new log begins, once the first state of the new run is heard;
     messages that overtook it are kept (``EARLY`` ticks).
 
     Args:
@@ -40,8 +49,8 @@ class RecorderNode(GraphNode):
         joint_names: the robot's joints in model order.
         period: control period [ns].
         steps: number of periods of the run; the log ends with tick ``steps``.
-        lossless: every topic that spoke once will speak at every stamp (lock-step); False: a stamp may miss some
-            (paced), it is then written after ``WINDOW`` ticks as it is.
+        lossless: every topic there is will speak at every stamp (lock-step); False: a stamp may miss some (paced), it
+            is then written after ``WINDOW`` ticks as it is.
         options: see GraphNode.
     """
 
@@ -67,15 +76,18 @@ class RecorderNode(GraphNode):
         self._urdf: str | None = None
         self._pending: dict[int, dict[Topic, bytes]] = {}
         self._expected = {topic for topic in TABLE if topic.recorded and not topic.latched}
-        self._seen: set[Topic] = set()
         self._canonical = TopicBytes(joint_names)
         self.closed = False
         self.heard = 0
         self.gaps = 0
         self.malformed = 0
         self.listen(ROBOT_DESCRIPTION, self._on_description)
-        for topic in sorted(self._expected, key=TABLE.index):
-            self._listen_recorded(topic)
+        self._readers = {topic: self._listen_recorded(topic) for topic in sorted(self._expected, key=TABLE.index)}
+        self._credit_publisher = self.publisher(RECORDER_CREDIT)
+        self._given = -1
+        self._clock_of_calls = Clock(clock_type=ClockType.STEADY_TIME)
+        self._present_since: Time | None = None
+        self._roll_call = self.create_timer(ROLL_CALL_SECONDS, self._call_roll, clock=self._clock_of_calls)
 
     @property
     def complete(self) -> bool:
@@ -97,7 +109,29 @@ class RecorderNode(GraphNode):
                 self._write(stamp)
         self._writer.close(reason)
 
-    def _listen_recorded(self, topic: Topic) -> None:
+    def _call_roll(self) -> None:
+        """Let the run start once everybody who has to be there is heard, and the optional ones had their second."""
+        absent = {topic for topic, reader in self._readers.items() if reader.get_publisher_count() == 0}
+        optional = {"controller_telemetry"} if self._lossless else {"controller_telemetry", "command", "reference"}
+        if any(topic.kind not in optional for topic in absent):
+            self._present_since = None
+            return
+        now = self._clock_of_calls.now()
+        self._present_since = self._present_since or now
+        if absent and (now - self._present_since).nanoseconds < GRACE_SECONDS * 1e9:
+            return
+        self._expected -= absent
+        self._roll_call.cancel()
+        self._give_credit()
+
+    def _give_credit(self) -> None:
+        """Half of what was given is still unused when the next comes: nobody waits for it."""
+        reach = self._next + AHEAD * self._period
+        if reach >= self._given + AHEAD // 2 * self._period:
+            self._given = reach
+            self._credit_publisher.publish(encode_clock(reach))
+
+    def _listen_recorded(self, topic: Topic) -> Subscription:
         def on_message(raw: bytes) -> None:
             self.heard += 1
             if self.closed:
@@ -112,12 +146,10 @@ class RecorderNode(GraphNode):
             else:
                 self._refuse(topic, CommandError("not a tick of this run", key=topic.name, value=f"{stamp} ns"))
 
-        self.listen(topic, on_message)
+        return self.listen(topic, on_message)
 
     def _is_tick(self, stamp: int) -> bool:
-        """On the grid of the run and not so far ahead that only a stranger can have sent it."""
-        ahead = max(self._newest_state, 0) + WINDOW * self._period
-        return stamp % self._period == 0 and 0 <= stamp <= min(self._last, ahead)
+        return stamp % self._period == 0 and 0 <= stamp <= self._last
 
     def _refuse(self, topic: Topic, error: Exception) -> None:
         self.malformed += 1
@@ -131,7 +163,6 @@ class RecorderNode(GraphNode):
             self._write_complete()
 
     def _take_in(self, topic: Topic, stamp: int, data: bytes) -> None:
-        self._seen.add(topic)
         if topic is BASE_ODOM:
             if stamp < self._newest_state:
                 self._start_new_log()
@@ -148,18 +179,15 @@ class RecorderNode(GraphNode):
             return
         while self._next in self._pending and self._pending[self._next].keys() >= self._expected:
             self._write(self._next)
-        while self._newest_state >= self._next + WINDOW * self._period:
-            missing = self._expected - self._pending.get(self._next, {}).keys()
-            if self._lossless and missing & self._seen:
-                return
+        while not self._lossless and self._newest_state >= self._next + WINDOW * self._period:
             self.gaps += 1
-            self._expected &= self._seen
             self._write(self._next)
 
     def _write(self, stamp: int) -> None:
         parts = self._pending.pop(stamp, {})
         self._writer.write_tick(stamp, parts)
         self._next = stamp + self._period
+        self._give_credit()
 
     def _start_new_log(self) -> None:
         """The plant was reset: what is complete stays in its log, the new run gets its own."""
@@ -167,6 +195,7 @@ class RecorderNode(GraphNode):
         self._logs += 1
         self._writer = self._open_writer(self._logs)
         self._pending, self._early = self._early, {}
-        self._newest_state, self._next, self.closed = -1, 0, False
+        self._newest_state, self._next, self._given, self.closed = -1, 0, -1, False
+        self._give_credit()
         if self._urdf is not None:
             self._writer.write_description(self._urdf)

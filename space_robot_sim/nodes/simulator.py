@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from space_robot_msgs_py.codecs import StateCodec, TelemetryCodec, encode_clock, encode_string
+from space_robot_msgs_py.codecs import StateCodec, TelemetryCodec, decode_clock, encode_clock, encode_string
 from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import GraphNode, publish_all
-from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, ROBOT_DESCRIPTION
+from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION
 from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.health import SimulatorHealth
 from space_robot_sim.nodes.pacing import Pacer
@@ -18,8 +18,11 @@ class SimulatorNode(GraphNode):
     """Carries a plant through ``steps`` control periods.
 
     Lock-step (default): state k is published with stamp k T, and the plant steps when the command with that stamp is
-    there, however long that takes. Paced (``realtime`` given): the steady clock advances the plant, a period without a
-    command is flown with the newest valid one or the plant's hold, and both are counted.
+    there, however long that takes. Where a recorder takes part, the run starts when it hears every node and never gets
+    further ahead of it than its credit, so that nothing is lost.
+
+    Paced (``realtime`` given): the steady clock advances the plant, a period without a command is flown with the newest
+    valid one or the plant's hold, and both are counted.
 
     Args:
         plant: the true robot, ready made.
@@ -28,6 +31,7 @@ class SimulatorNode(GraphNode):
         period: control period [ns].
         steps: number of periods of the run; states 0..steps are published, each is to be answered.
         realtime: simulated seconds per second of the steady clock; None: lock-step.
+        recorded: a recorder takes part and gives credit.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         options: see GraphNode.
     """
@@ -41,6 +45,7 @@ class SimulatorNode(GraphNode):
         period: int,
         steps: int,
         realtime: float | None = None,
+        recorded: bool = True,
         patience: float = 60.0,
         name: str = "simulator",
         **options: Any,
@@ -56,12 +61,17 @@ class SimulatorNode(GraphNode):
         self._description_publisher.publish(encode_string(urdf))
         self.tick = 0
         self.sample: PlantSample | None = None
-        self._credit: int | None = None
+        self._steps_granted: int | None = None
+        self._credit = -1 if recorded else steps * period
+        self.started = False
         self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=realtime is not None)
         self.pacer = Pacer(self, period / realtime, self._on_period) if realtime is not None else None
         self._steering = RunServices(self)
         self._health = SimulatorHealth(self, patience)
-        self.reset()
+        self.sample = plant.reset()
+        self.listen(RECORDER_CREDIT, self._on_credit)
+        if not recorded:
+            self._begin(self.sample)
 
     @property
     def stamp(self) -> int:
@@ -71,26 +81,37 @@ class SimulatorNode(GraphNode):
     @property
     def paused(self) -> bool:
         """True while only ``~/step`` advances the plant."""
-        return self._credit is not None
+        return self._steps_granted is not None
 
     def pause(self, paused: bool) -> None:
         """Stop at the next tick, or go on."""
-        self._credit = 0 if paused else None
+        self._steps_granted = 0 if paused else None
         self._on_answer()
 
     def step_once(self) -> None:
         """While paused: let the plant take one step as soon as its command is there."""
-        self._credit = (self._credit or 0) + 1
+        self._steps_granted = (self._steps_granted or 0) + 1
         self._on_answer()
 
     def reset(self) -> None:
         """Back to the initial state and stamp 0; what is in flight from before is refused as out of date."""
         self.tick = 0
         self.commands.expect(0)
-        self._show(self._plant.reset())
+        self._begin(self._plant.reset())
+
+    def _on_credit(self, raw: bytes) -> None:
+        self._credit = max(self._credit, decode_clock(raw))
+        if not self.started and self.sample is not None:
+            self._begin(self.sample)
+        self._on_answer()
+
+    def _begin(self, sample: PlantSample) -> None:
+        if self.pacer is not None:
+            self.pacer.restart()
+        self._show(sample)
 
     def _show(self, sample: PlantSample) -> None:
-        self.sample = sample
+        self.sample, self.started = sample, True
         publish_all(self._state_publishers, self._states.encode(sample.state))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
         self._clock_publisher.publish(encode_clock(sample.state.stamp))
@@ -106,10 +127,12 @@ class SimulatorNode(GraphNode):
             self._advance(self.commands.take_newest())
 
     def _may_advance(self) -> bool:
-        if self.end_reason is not None or self._credit == 0:
+        if self.end_reason is not None or not self.started or self._steps_granted == 0:
             return False
-        if self._credit is not None:
-            self._credit -= 1
+        if self.pacer is None and self.tick < self._steps and self.stamp + self._period > self._credit:
+            return False
+        if self._steps_granted is not None:
+            self._steps_granted -= 1
         return True
 
     def _advance(self, command: Command | None) -> None:

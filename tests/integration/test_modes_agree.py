@@ -83,3 +83,34 @@ def test_a_late_controller_changes_no_bit(tmp_path: Path) -> None:
     reason = fly_processes(compose(experiment), late, realtime=None, hooks=Hooks(), late={"controller": 3.0})
     assert reason == "completed"
     assert bag(late) == bag(truth)
+
+
+FAILING_LAW = """
+from space_robot_control.laws.base import Law
+from space_robot_msgs_py.errors import ControlError
+
+class Failing(Law):
+    def compute(self, state, reference):
+        if state.stamp == 3_000_000_000:
+            raise ControlError("covariance lost", key="rls", value=-1.0)
+        return [0.0] * (6 + self.robot.n), {}
+"""
+
+
+def test_a_law_that_fails_ends_every_mode_alike(tmp_path: Path) -> None:
+    """The run ends with the law's error in the log, and with the state that broke it as the last message."""
+    law = tmp_path / "failing.py"
+    law.write_text(FAILING_LAW)
+    experiment = load_experiment("liu2023/fig08", [f"controller={{law: '{law}:Failing'}}"])
+    bags = []
+    for mode in ("headless", "graph", "processes"):
+        directory = tmp_path / mode / "run"
+        result = run_experiment(experiment, directory, mode=mode)  # type: ignore[arg-type]
+        assert result.end_reason == LogReader(directory).end_reason
+        assert "controller: " in result.end_reason
+        assert "covariance lost" in result.end_reason
+        assert not result.passed
+        assert max(stamp for _, stamp, _ in messages(directory)) == 3_000_000_000
+        bags.append(bag(directory))
+    assert bags[1] == bags[0]
+    assert bags[2] == bags[0]
