@@ -138,12 +138,11 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
 def main() -> Never:
     """Entry point: one line per error, exit 2 on bad input, no traceback."""
     try:
-        app(standalone_mode=False)
+        # Without standalone mode an Exit of a command is what app returns.
+        code = app(standalone_mode=False)
     except SpaceRobotError as error:
         err.print(f"space-robot: {error}", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
-    except typer.Exit as end:
-        sys.exit(end.exit_code)
     except (KeyboardInterrupt, typer.Abort):
         sys.exit(FAILED)
     except Exception as error:
@@ -153,4 +152,4 @@ def main() -> Never:
             raise
         err.print(f"space-robot: {show()}; see --help", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
-    sys.exit(0)
+    sys.exit(code or 0)

@@ -10,6 +10,8 @@ from math import radians
 import numpy as np
 
 from space_robot_bringup.experiment import Experiment, Initial, ModelSpec, to_yaml
+from space_robot_bringup.metrics import metric_names
+from space_robot_bringup.verdict import check_expectations
 from space_robot_control.laws.registry import make_law
 from space_robot_control.references.make import make_reference
 from space_robot_control.rotations import from_rpy
@@ -86,7 +88,10 @@ def compose(experiment: Experiment) -> Composition:
     disorder = experiment.plant.dispersion
     if disorder is not None and disorder.inconsistent == "keep":
         raise SpecError(
-            "the real robot is physically possible", key="plant.dispersion.inconsistent", value="keep", accepted="reject"
+            "the real robot is physically possible",
+            key="plant.dispersion.inconsistent",
+            value="keep",
+            accepted="reject",
         )
     robot = load_robot(experiment.robot)
     nominal = _variant(robot, experiment.nominal, seeds[0], "nominal")
@@ -95,6 +100,8 @@ def compose(experiment: Experiment) -> Composition:
     header = LogHeader(to_yaml(resolved), robot.urdf, experiment.seed, robot.joint_names, versions())
     q0, v0 = _initial(experiment.initial, robot)
     composition = Composition(experiment, nominal, truth, header, seeds, q0, v0)
+    flying = nominal.base_mode == "free_flying"
+    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
     composition.reference()
     composition.controller()
     return composition

@@ -15,6 +15,16 @@ from space_robot_msgs_py.interfaces import NANOSECONDS, Tick, Vector
 Matrix = npt.NDArray[np.float64]
 
 SETTLING_BAND = 0.02
+BASE_AXES = ("base/x", "base/y", "base/z", "base/roll", "base/pitch", "base/yaw")
+PER_AXIS = ("final_error", "max_error", "rms_error", "settling_time", "overshoot")
+PER_RUN = (
+    "saturation_share",
+    "momentum_residual",
+    "energy_residual",
+    "quaternion_residual",
+    "effort_integral",
+    "joint_limit",
+)
 STILL = 1e-9
 MOVED = 1e-6
 
@@ -75,18 +85,19 @@ class RunMetrics:
         """Every number under one dotted name, e.g. ``base/roll.settling_time``; what ``expect:`` addresses."""
         numbers: dict[str, float | None] = {}
         for axis in self.axes:
-            for field in ("final_error", "max_error", "rms_error", "settling_time", "overshoot"):
-                numbers[f"{axis.name}.{field}"] = getattr(axis, field)
-        for field in (
-            "saturation_share",
-            "momentum_residual",
-            "energy_residual",
-            "quaternion_residual",
-            "effort_integral",
-            "joint_limit",
-        ):
-            numbers[field] = getattr(self, field)
-        return numbers
+            numbers |= {f"{axis.name}.{field}": getattr(axis, field) for field in PER_AXIS}
+        return numbers | {field: getattr(self, field) for field in PER_RUN}
+
+
+def axis_names(joint_names: Sequence[str], *, base_translation: bool) -> list[str]:
+    """Names of the axes of a robot: base position (of a free-flying robot), base rotation, joints."""
+    return [*BASE_AXES[0 if base_translation else 3 :], *joint_names]
+
+
+def metric_names(joint_names: Sequence[str], *, base_translation: bool) -> list[str]:
+    """Names of all metrics a run of this robot has."""
+    axes = axis_names(joint_names, base_translation=base_translation)
+    return [f"{axis}.{field}" for axis in axes for field in PER_AXIS] + list(PER_RUN)
 
 
 def measure(ticks: Iterable[Tick], joint_names: Sequence[str], *, base_translation: bool) -> RunMetrics:
@@ -110,7 +121,7 @@ def measure(ticks: Iterable[Tick], joint_names: Sequence[str], *, base_translati
     desired = np.array([tick.reference.q for tick in rows])
     moving = np.array([np.abs(tick.reference.v).max() > STILL for tick in rows])
     errors, from_goal = _deviations(truth, desired), _deviations(truth, np.repeat(desired[-1:], len(rows), axis=0))
-    names = ["base/x", "base/y", "base/z", "base/roll", "base/pitch", "base/yaw", *joint_names]
+    names = axis_names(joint_names, base_translation=True)
     units = ["m"] * 3 + ["deg"] * (3 + len(joint_names))
     scale = np.array([1.0] * 3 + [np.degrees(1.0)] * (3 + len(joint_names)))
     axes = tuple(

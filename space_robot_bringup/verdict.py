@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from space_robot_bringup.experiment import Expectation
@@ -31,22 +31,30 @@ class Check:
     passed: bool
 
 
-def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: str | None) -> tuple[Check, ...]:
-    """All checks of a run.
+def check_expectations(expect: Mapping[str, Expectation], names: Sequence[str]) -> None:
+    """Refuse bounds on metrics there will not be, before anything is flown.
+
+    Args:
+        expect: the experiment's.
+        names: see ``metrics.metric_names``.
 
     Raises:
-        SpecError: an expectation names a metric there is not.
+        SpecError: with the nearest names.
     """
+    for name in expect:
+        if name not in names:
+            accepted = nearest(name, names) or ", ".join(names)
+            raise SpecError("no such metric", key=f"expect.{name}", accepted=accepted)
+
+
+def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: str | None) -> tuple[Check, ...]:
+    """All checks of a run; see ``check_expectations`` for what ``expect`` may name."""
     numbers = metrics.flat()
     checks = [Check("completed", None, f"the run ends by itself (ended: {end_reason})", end_reason == "completed")]
     for name, bound in PLANT_BOUNDS.items():
         value = numbers[name]
         checks.append(Check(name, value, f"<= {bound:g}", value is not None and value <= bound))
     for name, expectation in expect.items():
-        if name not in numbers:
-            raise SpecError(
-                "no such metric", key=f"expect.{name}", accepted=nearest(name, list(numbers)) or ", ".join(numbers)
-            )
         checks += _check(name, numbers[name], expectation)
     return tuple(checks)
 

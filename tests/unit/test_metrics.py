@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from space_robot_bringup.experiment import Expectation
-from space_robot_bringup.metrics import RunMetrics, measure
-from space_robot_bringup.verdict import judge
+from space_robot_bringup.metrics import RunMetrics, measure, metric_names
+from space_robot_bringup.verdict import check_expectations, judge
 from space_robot_control.rotations import exp
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import (
@@ -96,5 +96,7 @@ def test_the_verdict_fails_what_is_missing_or_out_of_bounds() -> None:
     checks = judge(metrics, {"base/roll.settling_time": Expectation(max=10.0)}, "completed")
     assert [check.name for check in checks if not check.passed] == ["base/roll.settling_time"]
     assert not judge(metrics, {}, "interrupted")[0].passed
+    names = metric_names(["hinge"], base_translation=False)
+    assert names == list(metrics.flat())
     with pytest.raises(SpecError, match=r"base/roll\.final_error"):
-        judge(metrics, {"base/rol.final_error": Expectation(max=1.0)}, "completed")
+        check_expectations({"base/rol.final_error": Expectation(max=1.0)}, names)
