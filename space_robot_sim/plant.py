@@ -15,6 +15,7 @@ from space_robot_sim.fallback import PinocchioIntegrator
 from space_robot_sim.integrators import IntegratorSpec, compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.arrays import robot_arrays
+from space_robot_sim.kernel.jit import bound
 from space_robot_sim.kernel.period import Flight, flight, fly, open_books, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
@@ -88,6 +89,9 @@ class SimulatedRobot:
         self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
         self._telemetry = PlantTelemetry(robot, self._wheels.size)
         self._flight = flight(robot.n, self._wheels.size)
+        if self._fallback is None:
+            sizes = np.zeros(6 + robot.n), self._seconds, self._flight, True
+            self._fly = bound(fly, self._arrays, self._able, self._how, *sizes)
         self.reset()
 
     def reset(self) -> PlantSample:
@@ -132,7 +136,7 @@ class SimulatedRobot:
         """One period under a command, or with ``start`` only the books of the initial state; returns a status."""
         plant = self._flight
         if self._fallback is None:
-            return fly(self._arrays, self._able, self._how, acting, self._seconds, plant, start)
+            return self._fly(self._arrays, self._able, self._how, acting, self._seconds, plant, start)
         count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
         drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
         if start:

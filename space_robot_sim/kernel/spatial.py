@@ -129,6 +129,39 @@ def turned_sym(r: Mat, s: Sym) -> Sym:
 
 
 @inner
+def turned_plane(r: Mat, xx: float, xy: float, yy: float) -> Sym:
+    """R S R^T of a symmetric S with nothing in its third row and column."""
+    ux, vx = xx * r[0] + xy * r[1], xy * r[0] + yy * r[1]
+    uy, vy = xx * r[3] + xy * r[4], xy * r[3] + yy * r[4]
+    uz, vz = xx * r[6] + xy * r[7], xy * r[6] + yy * r[7]
+    return (
+        r[0] * ux + r[1] * vx,
+        r[0] * uy + r[1] * vy,
+        r[0] * uz + r[1] * vz,
+        r[3] * uy + r[4] * vy,
+        r[3] * uz + r[4] * vz,
+        r[6] * uz + r[7] * vz,
+    )
+
+
+@inner
+def turned_rows(r: Mat, x: Vec, y: Vec) -> Mat:
+    """R M R^T of a matrix with rows x, y and nothing in the third."""
+    p, q = mul(r, x), mul(r, y)
+    return (
+        r[0] * p[0] + r[1] * q[0],
+        r[0] * p[1] + r[1] * q[1],
+        r[0] * p[2] + r[1] * q[2],
+        r[3] * p[0] + r[4] * q[0],
+        r[3] * p[1] + r[4] * q[1],
+        r[3] * p[2] + r[4] * q[2],
+        r[6] * p[0] + r[7] * q[0],
+        r[6] * p[1] + r[7] * q[1],
+        r[6] * p[2] + r[7] * q[2],
+    )
+
+
+@inner
 def factor(s: Sym) -> Sym:
     """L D L^T of a positive definite S as (1/d0, l10, l20, 1/d1, l21, 1/d2)."""
     i0 = 1.0 / s[0]

@@ -14,8 +14,9 @@ import pytest
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_sim.kernel import jit
-from space_robot_sim.kernel.aba import WORKSPACE, forward_dynamics
+from space_robot_sim.kernel.aba import forward_dynamics
 from space_robot_sim.kernel.arrays import robot_arrays
+from space_robot_sim.kernel.articulated import WORKSPACE
 from space_robot_sim.kernel.momentum import balance
 from space_robot_sim.kernel.period import fly
 from space_robot_sim.plant import InitialState, SimulatedRobot
