@@ -51,9 +51,9 @@ def bound(function: Function, *arguments: object) -> Function:
 
     It spares numba's look-up of the types on every call, which takes 10 us for tuples of thirty arrays.
     """
-    if numba is None:
-        return function
     dispatcher: Any = function
+    if not hasattr(dispatcher, "get_overload"):
+        return function
     signature = tuple(numba.typeof(argument) for argument in arguments)
     dispatcher.compile(signature)
     result: Function = dispatcher.get_overload(signature)
