@@ -26,7 +26,8 @@ import mmap, struct, sys
 from pathlib import Path
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import Hooks, run_experiment
-board = mmap.mmap(open(sys.argv[2], "r+b").fileno(), 8)
+file = open(sys.argv[2], "r+b")
+board = mmap.mmap(file.fileno(), 8)
 hooks = Hooks(on_tick=lambda tick: struct.pack_into("<q", board, 0, tick))
 run_experiment(load_experiment("liu2023/fig08", ["duration=25000.0"]), Path(sys.argv[1]), mode="graph", hooks=hooks)
 """
