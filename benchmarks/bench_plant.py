@@ -14,11 +14,12 @@ import numpy as np
 
 from space_robot_msgs_py.interfaces import Command, Vector
 from space_robot_sim.actuators import capability, motor_numbers
-from space_robot_sim.integrators import IntegratorSpec, stepping
+from space_robot_sim.integrators import stepping
 from space_robot_sim.kernel.arrays import robot_arrays
 from space_robot_sim.kernel.jit import bound
 from space_robot_sim.kernel.period import flight, fly
 from space_robot_sim.plant import InitialState, SimulatedRobot
+from space_robot_sim.spec import IntegratorSpec
 from tests.robots import LivelyMotion, MujocoTwin, arm_model, robot_of
 
 PERIOD, PERIODS, REPEATS, JOINTS = 100_000_000, 20, 41, 7

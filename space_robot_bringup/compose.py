@@ -23,7 +23,6 @@ from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Controller, Plant, ReferenceSource, Vector
 from space_robot_msgs_py.log_header import LogHeader
-from space_robot_sim.plant import InitialState, SimulatedRobot
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
@@ -55,6 +54,9 @@ class Composition:
 
     def plant(self) -> Plant:
         """A new plant in its initial state."""
+        # Only here: whoever needs no plant need not wait for its compiler.
+        from space_robot_sim.plant import InitialState, SimulatedRobot
+
         spec = self.experiment.plant
         return SimulatedRobot(
             self.truth,

@@ -20,8 +20,7 @@ from space_robot_description.share import config_dir, shipped
 from space_robot_description.spec import PerJoint, Strict, Three
 from space_robot_description.validation import nearest, parse_yaml, validate
 from space_robot_msgs_py.errors import InputFileError, SpecError
-from space_robot_sim.integrators import IntegratorSpec
-from space_robot_sim.sensors import SensorSpec
+from space_robot_sim.spec import IntegratorSpec, SensorSpec
 
 
 class Initial(Strict):

@@ -1,38 +1,20 @@
-"""How the plant is integrated: what a file may say, and what that means for a robot and a control period."""
+"""How the plant is integrated: what a file says, turned into what the kernel needs."""
 
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
-from pydantic import Field, PositiveFloat
 
-from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_sim.kernel import jit
 from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.rhs import COULOMB, LAG, VISCOUS
 from space_robot_sim.kernel.steps import DOP853, DOP853_ADAPTIVE, RK4, Stepping
+from space_robot_sim.spec import IntegratorSpec
 
 _STEP = {DOP853: 0.05, RK4: 0.005}
-
-
-class IntegratorSpec(Strict):
-    """Integration of the true robot."""
-
-    kind: Literal["auto", "dop853", "dop853_adaptive", "rk4"] = Field(
-        default="auto", description="auto: dop853 in fixed steps, dop853_adaptive where a motor has lag or friction"
-    )
-    step: PositiveFloat | None = Field(
-        default=None, description="longest fixed step [s]; default 0.05 (dop853), 0.005 (rk4)"
-    )
-    rtol: PositiveFloat = Field(default=1e-9, description="relative tolerance of an adaptive step")
-    atol: PositiveFloat = Field(default=1e-12, description="absolute tolerance of an adaptive step [SI units]")
-    kernel: Literal["auto", "numba", "pinocchio"] = Field(
-        default="auto", description="auto: compiled where numba is installed, over pinocchio where not"
-    )
 
 
 def compiled(spec: IntegratorSpec) -> bool:

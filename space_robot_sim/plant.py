@@ -12,14 +12,15 @@ from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector, vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.fallback import PinocchioIntegrator
-from space_robot_sim.integrators import IntegratorSpec, compiled, stepping
+from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.arrays import robot_arrays
 from space_robot_sim.kernel.jit import bound
 from space_robot_sim.kernel.period import Flight, flight, fly, open_books, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
-from space_robot_sim.sensors import Sensors, SensorSpec
+from space_robot_sim.sensors import Sensors
+from space_robot_sim.spec import IntegratorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
 
 

@@ -5,50 +5,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 import pinocchio as pin
-from pydantic import AfterValidator, Field, NonNegativeFloat
 
-from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
-
-
-def _not_negative(value: float | tuple[float, ...]) -> float | tuple[float, ...]:
-    if np.min(value, initial=0.0) < 0.0:
-        raise ValueError("must not be negative")
-    return value
-
-
-Size = Annotated[float | tuple[float, ...], AfterValidator(_not_negative)]
-
-
-class ChannelSpec(Strict):
-    """One measured vector; noise, bias and quantisation are one number, or one per component."""
-
-    noise: Size = Field(default=0.0, description="standard deviation of every sample, white")
-    bias: float | tuple[float, ...] = Field(default=0.0, description="constant offset")
-    quantisation: Size = Field(default=0.0, description="the reading is a multiple of this; 0: continuous")
-    delay: NonNegativeFloat = Field(default=0.0, description="age of the reading [s], whole control periods")
-
-    @property
-    def ideal(self) -> bool:
-        """True if the truth passes unchanged."""
-        return not (np.any(self.noise) or np.any(self.bias) or np.any(self.quantisation) or self.delay)
-
-
-class SensorSpec(Strict):
-    """All channels; each is ideal until something is said about it."""
-
-    position: ChannelSpec = Field(default_factory=ChannelSpec, description="base position [m]")
-    attitude: ChannelSpec = Field(default_factory=ChannelSpec, description="small rotation of the body frame [rad]")
-    linear_velocity: ChannelSpec = Field(default_factory=ChannelSpec, description="body frame [m/s]")
-    angular_velocity: ChannelSpec = Field(default_factory=ChannelSpec, description="body frame [rad/s]")
-    joint_position: ChannelSpec = Field(default_factory=ChannelSpec, description="[rad or m]")
-    joint_velocity: ChannelSpec = Field(default_factory=ChannelSpec, description="[rad/s or m/s]")
-    acceleration: ChannelSpec = Field(default_factory=ChannelSpec, description="base origin, body frame [m/s2]")
+from space_robot_sim.spec import ChannelSpec, SensorSpec
 
 
 class Sensors:

@@ -136,7 +136,7 @@ import sys
 sys.modules["numba"] = None
 import numpy as np
 from space_robot_msgs_py.interfaces import Command
-from space_robot_sim.integrators import IntegratorSpec
+from space_robot_sim.spec import IntegratorSpec
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from tests.robots import arm_model, random_state, robot_of
 

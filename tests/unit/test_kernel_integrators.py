@@ -12,9 +12,9 @@ import pytest
 
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import Command
-from space_robot_sim.integrators import IntegratorSpec
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, A, B, C
 from space_robot_sim.plant import InitialState, SimulatedRobot
+from space_robot_sim.spec import IntegratorSpec
 from tests.robots import arm_model, random_model, random_state, robot_of
 
 SECOND = 1_000_000_000

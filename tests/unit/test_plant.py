@@ -10,9 +10,8 @@ import pytest
 
 from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import Command, PlantSample, blocks_equal
-from space_robot_sim.integrators import IntegratorSpec
 from space_robot_sim.plant import InitialState, SimulatedRobot
-from space_robot_sim.sensors import SensorSpec
+from space_robot_sim.spec import IntegratorSpec, SensorSpec
 from tests.robots import LivelyMotion, arm_model, random_state, robot_of
 
 PERIOD = 100_000_000

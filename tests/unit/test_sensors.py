@@ -11,7 +11,8 @@ from pydantic import ValidationError
 
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import RobotState
-from space_robot_sim.sensors import Sensors, SensorSpec
+from space_robot_sim.sensors import Sensors
+from space_robot_sim.spec import SensorSpec
 
 PERIOD = 100_000_000
 JOINTS = 3

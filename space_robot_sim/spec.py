@@ -1,0 +1,61 @@
+"""What an experiment may say about the plant; apart from the kernel, so that checking a file compiles nothing."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
+
+from space_robot_description.spec import Strict
+
+
+class IntegratorSpec(Strict):
+    """Integration of the true robot."""
+
+    kind: Literal["auto", "dop853", "dop853_adaptive", "rk4"] = Field(
+        default="auto", description="auto: dop853 in fixed steps, dop853_adaptive where a motor has lag or friction"
+    )
+    step: PositiveFloat | None = Field(
+        default=None, description="longest fixed step [s]; default 0.05 (dop853), 0.005 (rk4)"
+    )
+    rtol: PositiveFloat = Field(default=1e-9, description="relative tolerance of an adaptive step")
+    atol: PositiveFloat = Field(default=1e-12, description="absolute tolerance of an adaptive step [SI units]")
+    kernel: Literal["auto", "numba", "pinocchio"] = Field(
+        default="auto", description="auto: compiled where numba is installed, over pinocchio where not"
+    )
+
+
+def _not_negative(value: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    if np.min(value, initial=0.0) < 0.0:
+        raise ValueError("must not be negative")
+    return value
+
+
+Size = Annotated[float | tuple[float, ...], AfterValidator(_not_negative)]
+
+
+class ChannelSpec(Strict):
+    """One measured vector; noise, bias and quantisation are one number, or one per component."""
+
+    noise: Size = Field(default=0.0, description="standard deviation of every sample, white")
+    bias: float | tuple[float, ...] = Field(default=0.0, description="constant offset")
+    quantisation: Size = Field(default=0.0, description="the reading is a multiple of this; 0: continuous")
+    delay: NonNegativeFloat = Field(default=0.0, description="age of the reading [s], whole control periods")
+
+    @property
+    def ideal(self) -> bool:
+        """True if the truth passes unchanged."""
+        return not (np.any(self.noise) or np.any(self.bias) or np.any(self.quantisation) or self.delay)
+
+
+class SensorSpec(Strict):
+    """All channels; each is ideal until something is said about it."""
+
+    position: ChannelSpec = Field(default_factory=ChannelSpec, description="base position [m]")
+    attitude: ChannelSpec = Field(default_factory=ChannelSpec, description="small rotation of the body frame [rad]")
+    linear_velocity: ChannelSpec = Field(default_factory=ChannelSpec, description="body frame [m/s]")
+    angular_velocity: ChannelSpec = Field(default_factory=ChannelSpec, description="body frame [rad/s]")
+    joint_position: ChannelSpec = Field(default_factory=ChannelSpec, description="[rad or m]")
+    joint_velocity: ChannelSpec = Field(default_factory=ChannelSpec, description="[rad/s or m/s]")
+    acceleration: ChannelSpec = Field(default_factory=ChannelSpec, description="base origin, body frame [m/s2]")
