@@ -10,7 +10,8 @@ Kind = Literal[
 ]
 
 
-@dataclass(frozen=True, slots=True)
+# Rows are compared and hashed by identity: there is one of each, and every message looks its row up.
+@dataclass(frozen=True, slots=True, eq=False)
 class Topic:
     """One row of the table.
 

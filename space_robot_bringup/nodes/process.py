@@ -16,7 +16,7 @@ from rclpy.experimental import EventsExecutor
 
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import ROLES, SPIN_TIMEOUT, drain, make_node, private_context
+from space_robot_bringup.graph import ROLES, drain, make_node, private_context, spin
 from space_robot_bringup.stopping import StopFlag
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
@@ -68,7 +68,7 @@ def _spin(
     node: GraphNode, executor: EventsExecutor, stop: StopFlag, progress: Callable[[GraphNode], None] | None
 ) -> int:
     while node.end_reason is None:
-        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        spin(executor, node)
         if stop.reason is not None:
             node.end(stop.reason)
         if progress is not None:

@@ -10,6 +10,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
+from rclpy.task import Future
 
 from space_robot_msgs_py.codecs import decode_string, encode_string
 from space_robot_msgs_py.errors import LayoutError
@@ -23,6 +24,11 @@ class GraphNode(Node):  # type: ignore[misc]
     Raw bytes are published and taken because one encoder then serves graph and log: equal runs give equal bytes,
     and a tick costs no intermediate message objects.
 
+    Attributes:
+        end_reason: why the run ended, once it has.
+        over: done when it has; what an executor spins for.
+        failure: the exception that stopped this node.
+
     Args:
         name: node name.
         context: the rclpy context to live in; None is the default context.
@@ -32,6 +38,7 @@ class GraphNode(Node):  # type: ignore[misc]
     def __init__(self, name: str, *, context: Context | None = None, **options: Any) -> None:
         super().__init__(name, context=context, **options)
         self.end_reason: str | None = None
+        self.over = Future()
         self.failure: Exception | None = None
         self._end_publisher = self.publisher(RUN_END)
         self.listen(RUN_END, self._on_run_end)
@@ -59,7 +66,7 @@ class GraphNode(Node):  # type: ignore[misc]
     def end(self, reason: str) -> None:
         """Tell the whole graph that the run is over, and why; the first reason counts."""
         if self.end_reason is None:
-            self.end_reason = reason
+            self._hear_end(reason)
             self._end_publisher.publish(encode_string(reason))
 
     def fail(self, error: Exception) -> None:
@@ -80,7 +87,11 @@ class GraphNode(Node):  # type: ignore[misc]
             self.get_logger().warning(f"ignored a malformed {RUN_END.name}: {error}")
             return
         if self.end_reason is None:
-            self.end_reason = reason
+            self._hear_end(reason)
+
+    def _hear_end(self, reason: str) -> None:
+        self.end_reason = reason
+        self.over.set_result(None)
 
 
 def publish_all(publishers: Sequence[Publisher], parts: Sequence[bytes]) -> None:

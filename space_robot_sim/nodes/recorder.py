@@ -177,11 +177,15 @@ class RecorderNode(GraphNode):
     def _write_complete(self) -> None:
         if self._urdf is None:
             return
-        while self._next in self._pending and self._pending[self._next].keys() >= self._expected:
+        while self._has_all(self._pending.get(self._next)):
             self._write(self._next)
         while not self._lossless and self._newest_state >= self._next + WINDOW * self._period:
             self.gaps += 1
             self._write(self._next)
+
+    def _has_all(self, parts: dict[Topic, bytes] | None) -> bool:
+        # The count first: it is nearly always the answer, and every message asks.
+        return parts is not None and len(parts) >= len(self._expected) and parts.keys() >= self._expected
 
     def _write(self, stamp: int) -> None:
         parts = self._pending.pop(stamp, {})

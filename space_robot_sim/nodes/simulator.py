@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from space_robot_msgs_py.codecs import StateCodec, TelemetryCodec, decode_clock, encode_clock, encode_string
@@ -64,6 +65,7 @@ class SimulatorNode(GraphNode):
         self._steps_granted: int | None = None
         self._credit = -1 if recorded else steps * period
         self.started = False
+        self.on_tick: Callable[[int], None] = lambda tick: None
         self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=realtime is not None)
         self.pacer = Pacer(self, period / realtime, self._on_period) if realtime is not None else None
         self._steering = RunServices(self)
@@ -143,3 +145,4 @@ class SimulatorNode(GraphNode):
         self.tick += 1
         self.commands.expect(self.stamp)
         self._show(sample)
+        self.on_tick(self.tick)
