@@ -11,7 +11,7 @@ ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 .DEFAULT_GOAL := help
 
 help:
-	@echo "make demo    fly the orientation task in the ROS 2 graph; leaves a bag and a summary in $(OUT)"
+	@echo "make demo    fly two tasks in the ROS 2 graph; leaves bags and pictures in $(OUT)"
 	@echo "make test    the whole test suite with ruff, mypy and the import test"
 	@echo "make check   ruff and mypy only"
 	@echo "make bench   speed of the plant, the loop, the graph and the log"
@@ -22,7 +22,7 @@ $(VENV)/bin/uv:
 	$(BIN)/python -m pip install -q --disable-pip-version-check 'uv>=0.4'
 
 $(VENV)/.run: pyproject.toml setup.py | $(VENV)/bin/uv
-	$(BIN)/uv pip install -q --python $(BIN)/python -e '.[$(ROS_EXTRA)viz]'
+	$(BIN)/uv pip install -q --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,robots]'
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml setup.py | $(VENV)/bin/uv
@@ -30,7 +30,11 @@ $(VENV)/.dev: pyproject.toml setup.py | $(VENV)/bin/uv
 	@touch $(VENV)/.run $@
 
 demo: $(VENV)/.run
-	$(BIN)/space-robot run liu2023/fig08 --mode graph --out $(OUT)
+	@mkdir -p $(OUT)
+	$(BIN)/space-robot run liu2023/fig08 --mode graph --out $(OUT)/fig08
+	$(BIN)/space-robot run point_to_point/ur5_sat --mode graph --out $(OUT)/ur5_sat
+	$(BIN)/space-robot plot $(OUT)/fig08
+	$(BIN)/space-robot plot $(OUT)/ur5_sat
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -31,7 +31,8 @@ app = typer.Typer(
     help="Flight software of a space robot, emulated: fly experiments, record them, look at robots.",
     epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
 )
-out = Console(highlight=False)
+# A pipe has no width of its own; 80 columns would cut numbers.
+out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
 err = Console(stderr=True, highlight=False)
 
 ExperimentArgument = Annotated[str, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")]
@@ -115,6 +116,21 @@ def run(
         render.verdict(out, spec, mode, result)
     if not result.passed:
         raise typer.Exit(FAILED)
+
+
+@app.command()
+def plot(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
+) -> None:
+    """Draw a log: attitude and joints against what was asked, and the torques it took."""
+    try:
+        from space_robot_bringup.report.figure import draw
+    except ImportError as error:
+        raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
+    place = picture or log.with_suffix(".png")
+    draw(log, place)
+    out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
 
 @app.command()

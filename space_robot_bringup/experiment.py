@@ -12,6 +12,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 from ruamel.yaml.scalarstring import LiteralScalarString
 
+from space_robot_bringup.recorded import with_recorded_log
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
 from space_robot_description.dispersion import Dispersion
@@ -119,6 +120,8 @@ def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experim
     robot = data.get("robot")
     if isinstance(robot, str) and (path.parent / robot).is_file():
         data["robot"] = str(path.parent / robot)
+    if isinstance(data.get("reference"), dict):
+        data["reference"] = with_recorded_log(data["reference"], path.parent)
     return experiment_from(data, str(name_or_path))
 
 

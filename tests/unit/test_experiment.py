@@ -10,10 +10,13 @@ from hypothesis import strategies as st
 
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import experiment_from, load_experiment, to_yaml, with_duration
+from space_robot_bringup.run import run_experiment
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import blocks_equal
+from space_robot_msgs_py.log_reader import LogReader
 
 
 @pytest.mark.parametrize("name", shipped("experiments"))
@@ -76,3 +79,21 @@ def test_nanoseconds_are_exact() -> None:
     """0.1 s is 100 000 000 ns, not its binary neighbour."""
     assert to_nanoseconds(0.1, "t") == 100_000_000
     assert with_duration(load_experiment("liu2023/fig08"), 10.0).steps == 40
+
+
+def test_what_was_asked_before_can_be_asked_again(tmp_path: Path) -> None:
+    """A recorded reference takes the reference of a log, bit for bit, and the resolved file needs no log any more."""
+    run_experiment(load_experiment("liu2023/fig08", ["duration=5.0"]), tmp_path / "first", mode="headless")
+    again = tmp_path / "again.yaml"
+    again.write_text(
+        "robot: mini\ncontrol_period: 0.25\nduration: 5.0\ninitial: {joints_deg: [90, 45, 45, 0]}\n"
+        "reference: {kind: recorded, log: first}\ncontroller: {law: computed_torque, gains: {bandwidth: 1.0}}\n"
+    )
+    composition = compose(load_experiment(str(again)))
+    for tick in LogReader(tmp_path / "first").ticks():
+        asked = composition.reference().at(tick.stamp)
+        assert blocks_equal((asked.q, asked.v, asked.a), (tick.reference.q, tick.reference.v, tick.reference.a))
+    assert "first" not in composition.header.experiment
+    again.write_text(again.read_text().replace("log: first", "log: first, stamps: [0]"))
+    with pytest.raises(SpecError, match=r"reference\.stamps"):
+        load_experiment(str(again))

@@ -1,0 +1,1 @@
+"""Logs turned into something to look at."""

@@ -1,0 +1,74 @@
+"""One picture of a log: attitude and joints against what was asked, and what it took."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+
+mpl.use("Agg")
+from matplotlib import pyplot as plt
+
+from space_robot_control.rotations import to_rpy
+from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.log_reader import LogReader
+
+AXES = ("roll", "pitch", "yaw")
+
+
+def draw(log: Path, out: Path) -> None:
+    """Draw a log into an image file.
+
+    Args:
+        log: run directory or .mcap file.
+        out: the image; its suffix decides the format.
+
+    Raises:
+        InputFileError: there is no such log.
+        LogError: it holds no complete tick, or the image cannot be written.
+    """
+    reader = LogReader(log)
+    arrays = reader.arrays()
+    if arrays.time.size < 2:
+        raise LogError("nothing to draw: fewer than two complete ticks", key=str(log))
+    joints = reader.header.joint_names
+    truth = arrays.plant["true_configuration"]
+    figure, panels = plt.subplots(4, 1, sharex=True, figsize=(8.0, 10.0), layout="constrained")
+    _followed(panels[0], arrays.time, _attitude(truth), _attitude(arrays.q_d), AXES, "base attitude [deg]")
+    _followed(panels[1], arrays.time, np.degrees(truth[:, 7:]), np.degrees(arrays.q_d[:, 7:]), joints, "joints [deg]")
+    _held(panels[2], arrays.time, arrays.wrench[:, 3:], [f"about {axis}" for axis in "xyz"], "base torque [N m]")
+    _held(panels[3], arrays.time, arrays.effort_command, joints, "joint effort [N m]")
+    panels[3].set_xlabel("time [s]")
+    try:
+        figure.savefig(out, dpi=110)
+    except (OSError, ValueError) as error:
+        raise LogError(f"the picture cannot be written: {error}", key=str(out)) from None
+    finally:
+        plt.close(figure)
+
+
+def _attitude(q: Vector) -> Vector:
+    angles: Vector = np.degrees(np.array([to_rpy(row[3:7]) for row in q]))
+    return angles
+
+
+def _followed(panel: Any, time: Vector, values: Vector, wanted: Vector, names: tuple[str, ...], label: str) -> None:
+    for index, name in enumerate(names):
+        (line,) = panel.plot(time, values[:, index], label=name)
+        panel.plot(time, wanted[:, index], linestyle=":", color=line.get_color())
+    _dress(panel, f"{label}, dotted: desired")
+
+
+def _held(panel: Any, time: Vector, values: Vector, names: list[str] | tuple[str, ...], label: str) -> None:
+    for index, name in enumerate(names):
+        panel.step(time, values[:, index], where="post", label=name)
+    _dress(panel, f"{label}, commanded")
+
+
+def _dress(panel: Any, label: str) -> None:
+    panel.set_title(label, loc="left", fontsize="medium")
+    panel.grid(alpha=0.3)
+    panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
