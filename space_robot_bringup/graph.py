@@ -38,25 +38,32 @@ LIGHT = {"start_parameter_services": False, "enable_rosout": False}
 
 
 @contextmanager
-def private_context(ros_arguments: Sequence[str] = ()) -> Iterator[Context]:
-    """A context of its own: localhost only, on the domain of ROS_DOMAIN_ID or one no other run here uses.
+def private_context() -> Iterator[Context]:
+    """A context of its own: localhost only, on the domain of ROS_DOMAIN_ID or one no other run here uses."""
+    with reserved_domain() as domain, local_context(domain) as context:
+        yield context
+
+
+@contextmanager
+def local_context(domain: int, ros_arguments: Sequence[str] = ()) -> Iterator[Context]:
+    """A context on a domain, localhost only unless ROS_AUTOMATIC_DISCOVERY_RANGE says otherwise.
 
     Args:
+        domain: the one whose nodes hear each other.
         ros_arguments: ``--ros-args ...`` for rclpy.
     """
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     context = Context()
-    with reserved_domain() as domain:
-        rclpy.init(
-            args=list(ros_arguments),
-            context=context,
-            domain_id=domain,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        try:
-            yield context
-        finally:
-            context.try_shutdown()
+    rclpy.init(
+        args=list(ros_arguments),
+        context=context,
+        domain_id=domain,
+        signal_handler_options=SignalHandlerOptions.NO,
+    )
+    try:
+        yield context
+    finally:
+        context.try_shutdown()
 
 
 @contextmanager

@@ -6,6 +6,7 @@ python -m space_robot_bringup.nodes.process simulator --experiment liu2023/fig08
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
 from collections.abc import Callable
@@ -16,7 +17,7 @@ from rclpy.experimental import EventsExecutor
 
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import ROLES, drain, make_node, private_context, spin
+from space_robot_bringup.graph import ROLES, domain_number, drain, local_context, make_node, spin
 from space_robot_bringup.stopping import StopFlag
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
@@ -39,7 +40,9 @@ def main(arguments: list[str] | None = None) -> int:
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         try:
             composition = compose(load_experiment(options.experiment))
-            with private_context(ros) as context:
+            # As every ROS process: whoever starts several of us gives them one domain, or they meet on 0.
+            domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
+            with local_context(domain, ros) as context:
                 node = make_node(
                     options.role,
                     composition,

@@ -1,0 +1,53 @@
+"""The wheel carries everything the source tree has: packages, data, ament markers, node executables."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SHARE, DATA = "share/space_robot", "space_robot-0.1.0.data/data"
+PACKAGES = [f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup")]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
+    out = tmp_path_factory.mktemp("wheel")
+    source = out / "source"
+    tracked = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for name in tracked.split("\0"):
+        if name and (ROOT / name).is_file():
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            (source / name).write_bytes((ROOT / name).read_bytes())
+            (source / name).chmod((ROOT / name).stat().st_mode)
+    build = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(out), str(source)]
+    done = subprocess.run(build, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-2000:]
+    (file,) = out.glob("*.whl")
+    return zipfile.ZipFile(file)
+
+
+def test_the_wheel_holds_every_module_and_every_config_file(wheel: zipfile.ZipFile) -> None:
+    """A file added to the tree is not forgotten in the installation."""
+    held = set(wheel.namelist())
+    modules = {path.relative_to(ROOT).as_posix() for name in PACKAGES for path in (ROOT / name).rglob("*.py")}
+    config = {
+        f"{DATA}/{SHARE}/{path.relative_to(ROOT).as_posix()}" for path in (ROOT / "config").rglob("*") if path.is_file()
+    }
+    assert config
+    assert modules | config <= held, sorted((modules | config) - held)
+
+
+def test_the_wheel_is_an_ament_package_with_executables(wheel: zipfile.ZipFile) -> None:
+    """Every package has its marker, and the node executables are there and may be executed."""
+    held = {info.filename: info for info in wheel.infolist()}
+    for name in [*PACKAGES, "space_robot"]:
+        assert f"{DATA}/share/ament_index/resource_index/packages/{name}" in held
+    assert f"{DATA}/{SHARE}/package.xml" in held
+    for place in ("space_robot_sim/simulator", "space_robot_sim/recorder", "space_robot_control/controller"):
+        info = held[f"{DATA}/lib/{place}"]
+        assert info.external_attr >> 16 & 0o111, f"{place} is not executable"
