@@ -141,15 +141,12 @@ class RecorderNode(GraphNode):
             except SpaceRobotError as error:
                 self._refuse(topic, error)
                 return
-            if self._is_tick(stamp):
+            if stamp % self._period == 0 and 0 <= stamp <= self._last:
                 self._take_in(topic, stamp, data)
             else:
                 self._refuse(topic, CommandError("not a tick of this run", key=topic.name, value=f"{stamp} ns"))
 
         return self.listen(topic, on_message)
-
-    def _is_tick(self, stamp: int) -> bool:
-        return stamp % self._period == 0 and 0 <= stamp <= self._last
 
     def _refuse(self, topic: Topic, error: Exception) -> None:
         self.malformed += 1
@@ -171,8 +168,11 @@ class RecorderNode(GraphNode):
             if stamp < EARLY * self._period:
                 self._early.setdefault(stamp, {})[topic] = data
             return
-        self._pending.setdefault(stamp, {})[topic] = data
-        self._write_complete()
+        parts = self._pending.setdefault(stamp, {})
+        parts[topic] = data
+        # The count first: it is nearly always the answer, and every message asks.
+        if len(parts) >= len(self._expected) or not self._lossless:
+            self._write_complete()
 
     def _write_complete(self) -> None:
         if self._urdf is None:
@@ -184,8 +184,7 @@ class RecorderNode(GraphNode):
             self._write(self._next)
 
     def _has_all(self, parts: dict[Topic, bytes] | None) -> bool:
-        # The count first: it is nearly always the answer, and every message asks.
-        return parts is not None and len(parts) >= len(self._expected) and parts.keys() >= self._expected
+        return parts is not None and parts.keys() >= self._expected
 
     def _write(self, stamp: int) -> None:
         parts = self._pending.pop(stamp, {})

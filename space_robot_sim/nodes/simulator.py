@@ -139,6 +139,7 @@ class SimulatorNode(GraphNode):
 
     def _advance(self, command: Command | None) -> None:
         if self.tick == self._steps:
+            self._say_what_was_refused()
             self.end("completed")
             return
         sample = self._plant.step(command)
@@ -146,3 +147,10 @@ class SimulatorNode(GraphNode):
         self.commands.expect(self.stamp)
         self._show(sample)
         self.on_tick(self.tick)
+
+    def _say_what_was_refused(self) -> None:
+        """A run that was not flown as commanded says so; the numbers in the log cannot."""
+        counts = self.commands.counts
+        if counts:
+            what = ", ".join(f"{number} {name}" for name, number in sorted(counts.items()))
+            self.get_logger().warning(f"commands refused or missed in {self._steps} periods: {what}")
