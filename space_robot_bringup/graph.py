@@ -19,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from space_robot_bringup.compose import Composition
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_control.nodes.guidance import GuidanceNode
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.log_writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_sim.nodes.recorder import RecorderNode
@@ -170,7 +170,15 @@ def spin_graph(graph: Graph, context: Context, hooks: Hooks) -> str:
             break
     reason = graph.simulator.end_reason or graph.recorder.end_reason or "failed"
     drain(executor, graph.recorder, reason)
+    for node in graph.nodes:
+        raise_bug(node)
     return reason
+
+
+def raise_bug(node: GraphNode) -> None:
+    """What stopped a node on purpose is in the reason of the end; anything else is a bug and keeps its traceback."""
+    if node.failure is not None and not isinstance(node.failure, SpaceRobotError):
+        raise node.failure
 
 
 def spin(executor: Any, node: GraphNode) -> None:
@@ -189,7 +197,7 @@ def drain(executor: Any, recorder: RecorderNode, reason: str) -> None:
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         if recorder.heard != heard:
             heard, quiet_since = recorder.heard, monotonic()
-        elif reason != "completed" and monotonic() - quiet_since > QUIET_SECONDS:
+        elif (reason != "completed" or not recorder.lossless) and monotonic() - quiet_since > QUIET_SECONDS:
             break
     recorder.finish(reason)
     executor.shutdown()

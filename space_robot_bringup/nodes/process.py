@@ -17,7 +17,7 @@ from rclpy.experimental import EventsExecutor
 
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import ROLES, domain_number, drain, local_context, make_node, spin
+from space_robot_bringup.graph import ROLES, domain_number, drain, local_context, make_node, raise_bug, spin
 from space_robot_bringup.stopping import StopFlag
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
@@ -80,6 +80,7 @@ def _spin(
         drain(executor, node, node.end_reason)
     node.flush(ACKNOWLEDGE_SECONDS)
     node.destroy_node()
+    raise_bug(node)
     return 0 if node.failure is None else 1
 
 

@@ -71,7 +71,7 @@ class RecorderNode(GraphNode):
         self._period, self._last = period, steps * period
         self._next = 0
         self._newest_state = -1
-        self._lossless = lossless
+        self.lossless = lossless
         self._early: dict[int, dict[Topic, bytes]] = {}
         self._urdf: str | None = None
         self._pending: dict[int, dict[Topic, bytes]] = {}
@@ -112,7 +112,7 @@ class RecorderNode(GraphNode):
     def _call_roll(self) -> None:
         """Let the run start once everybody who has to be there is heard, and the optional ones had their second."""
         absent = {topic for topic, reader in self._readers.items() if reader.get_publisher_count() == 0}
-        optional = {"controller_telemetry"} if self._lossless else {"controller_telemetry", "command", "reference"}
+        optional = {"controller_telemetry"} if self.lossless else {"controller_telemetry", "command", "reference"}
         if any(topic.kind not in optional for topic in absent):
             self._present_since = None
             return
@@ -171,7 +171,7 @@ class RecorderNode(GraphNode):
         parts = self._pending.setdefault(stamp, {})
         parts[topic] = data
         # The count first: it is nearly always the answer, and every message asks.
-        if len(parts) >= len(self._expected) or not self._lossless:
+        if len(parts) >= len(self._expected) or not self.lossless:
             self._write_complete()
 
     def _write_complete(self) -> None:
@@ -179,7 +179,7 @@ class RecorderNode(GraphNode):
             return
         while self._has_all(self._pending.get(self._next)):
             self._write(self._next)
-        while not self._lossless and self._newest_state >= self._next + WINDOW * self._period:
+        while not self.lossless and self._newest_state >= self._next + WINDOW * self._period:
             self.gaps += 1
             self._write(self._next)
 

@@ -114,3 +114,23 @@ def test_a_law_that_fails_ends_every_mode_alike(tmp_path: Path) -> None:
         bags.append(bag(directory))
     assert bags[1] == bags[0]
     assert bags[2] == bags[0]
+
+
+BROKEN_LAW = """
+from space_robot_control.laws.base import Law
+
+class Broken(Law):
+    def compute(self, state, reference):
+        raise KeyError("a bug")
+"""
+
+
+def test_a_bug_in_a_law_keeps_its_traceback_and_the_log(tmp_path: Path) -> None:
+    """What is not an error of ours is not dressed up as one: it is raised, and the log is closed all the same."""
+    law = tmp_path / "broken.py"
+    law.write_text(BROKEN_LAW)
+    experiment = load_experiment("liu2023/fig08", [f"controller={{law: '{law}:Broken'}}"])
+    for mode in ("headless", "graph"):
+        with pytest.raises(KeyError, match="a bug"):
+            run_experiment(experiment, tmp_path / mode, mode=mode)  # type: ignore[arg-type]
+        assert LogReader(tmp_path / mode).end_reason is not None
