@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
 from space_robot_msgs_py.errors import SpecError
 
 T = TypeVar("T")
-_ABSENT: Any = object()
 
 
 class StampJoiner(Generic[T]):
@@ -32,7 +31,7 @@ class StampJoiner(Generic[T]):
             raise SpecError("nothing to join", key="parts, capacity", value=(parts, capacity), accepted="1 or more")
         self._parts, self._capacity, self._once = parts, capacity, once
         # The first key came first, and is the one to give up; an OrderedDict finds it at once.
-        self._open: OrderedDict[int, list[T]] = OrderedDict()
+        self._open: OrderedDict[int, dict[int, T]] = OrderedDict()
         self._done: OrderedDict[int, None] = OrderedDict()
         self.dropped = 0
 
@@ -52,16 +51,14 @@ class StampJoiner(Generic[T]):
             return None
         items = self._open.get(stamp)
         if items is None:
-            items = self._open[stamp] = [_ABSENT] * self._parts
-        if items[part_index] is _ABSENT:
-            items[part_index] = item
-        # Identity only: the parts may be arrays, whose == is not a truth value.
-        if any(one is _ABSENT for one in items):
+            items = self._open[stamp] = {}
             self._make_room()
+        items.setdefault(part_index, item)
+        if len(items) < self._parts:
             return None
         del self._open[stamp]
         self._remember(stamp)
-        return tuple(items)
+        return tuple([items[index] for index in range(self._parts)])
 
     def drop_before(self, stamp: int) -> int:
         """Give up incomplete stamps older than this one [ns]; return how many."""

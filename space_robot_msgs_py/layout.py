@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain, pairwise
+from struct import Struct
 from typing import Literal
 
 import numpy as np
@@ -123,10 +125,12 @@ class Layout:
             blank[field.start : field.stop] = field.content()
         self.holes = tuple((f.start, f.stop) for f in self.fields if f.kind in ("stamp", "doubles"))
         free = tuple((f.start, f.stop) for f in self.fields if f.kind not in ("string", "uint32"))
-        self._template: list[bytes] = []
-        for start, stop in _gaps(self.holes, self.size):
-            self._template += [bytes(blank[start:stop]), b""]
-        self._template.pop()
+        # Constant, hole, constant, ..., constant: one call cuts a message, one slice compares or replaces every other.
+        self._constants = tuple(bytes(blank[start:stop]) for start, stop in _gaps(self.holes, self.size))
+        self._sizes = tuple(stop - start for start, stop in self.holes)
+        self._template = [piece for constant in self._constants for piece in (constant, b"")][:-1]
+        edges = (0, *chain.from_iterable(self.holes), self.size)
+        self._cut = Struct("".join(f"{stop - start}s" for start, stop in pairwise(edges)))
         self._constant = tuple((a, b, bytes(blank[a:b])) for a, b in _gaps(free, self.size) if a < b)
         named = ((f.start, f.stop, f.content()) for f in self.fields if f.kind in ("string", "uint32"))
         self._significant = ((0, 2, ENCAPSULATION[:2]), *named)
@@ -137,23 +141,24 @@ class Layout:
         Raises:
             LayoutError: a block has not the size of its hole.
         """
+        if tuple(map(len, blocks)) != self._sizes:
+            raise self._wrong_block(blocks)
         parts = self._template.copy()
-        index = 1
-        for (start, stop), block in zip(self.holes, blocks, strict=True):
-            if len(block) != stop - start:
-                raise self._wrong_block(start, len(block))
-            parts[index] = block
-            index += 2
+        parts[1::2] = blocks
         return b"".join(parts)
 
-    def blocks(self, raw: bytes) -> list[bytes]:
+    def blocks(self, raw: bytes) -> tuple[bytes, ...]:
         """The bytes in the holes of a message, in order; inverse of ``fill``.
 
         Raises:
             LayoutError: size, names, frames or sequence lengths differ (CommandError in the layout of a command).
         """
+        if len(raw) == self.size:
+            pieces = self._cut.unpack(raw)
+            if pieces[::2] == self._constants:
+                return pieces[1::2]
         self._check(raw)
-        return [raw[start:stop] for start, stop in self.holes]
+        return tuple(raw[start:stop] for start, stop in self.holes)
 
     def encode(self, stamp: int, *arrays: Vector) -> bytes:
         """A stamped message with these float64 arrays in its holes."""
@@ -171,13 +176,17 @@ class Layout:
         # The comparison of whole stretches fails on padding that is not zero; then only what has a meaning decides.
         return _equal(raw, self._constant) or _equal(raw, self._significant)
 
+    def is_canonical(self, raw: bytes) -> bool:
+        """True if ``fill`` could have made these bytes; the fast test that nearly every message passes."""
+        return len(raw) == self.size and self._cut.unpack(raw)[::2] == self._constants
+
     def canonical(self, raw: bytes) -> bytes:
         """The same content with zero padding and nothing behind it.
 
         Raises:
             LayoutError: as ``blocks``.
         """
-        if len(raw) == self.size and _equal(raw, self._constant):
+        if self.is_canonical(raw):
             return raw
         self._check(raw)
         parts: list[bytes] = []
@@ -213,10 +222,12 @@ class Layout:
         if not self.matches(raw):
             raise self._explain(raw)
 
-    def _wrong_block(self, start: int, size: int) -> SpaceRobotError:
-        field = next(f for f in self.fields if f.start == start and f.kind in ("stamp", "doubles"))
-        key, accepted = f"{self.topic}.{field.name}", (field.stop - field.start) // 8
-        return self._error("wrong size", key=key, value=size / 8, accepted=f"{accepted} numbers")
+    def _wrong_block(self, blocks: Sequence[bytes]) -> SpaceRobotError:
+        fields = (field for field in self.fields if field.kind in ("stamp", "doubles"))
+        pairs = zip(fields, self._sizes, map(len, blocks), strict=True)
+        field, accepted, size = next(pair for pair in pairs if pair[1] != pair[2])
+        key = f"{self.topic}.{field.name}"
+        return self._error("wrong size", key=key, value=size / 8, accepted=f"{accepted // 8} numbers")
 
     def _explain(self, raw: bytes) -> SpaceRobotError:
         """Walk through the actual bytes to the first primitive that is not as expected."""

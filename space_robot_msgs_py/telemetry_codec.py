@@ -58,18 +58,23 @@ class TelemetryCodec:
             LayoutError: the message is not a list of labelled blocks that begins with the stamp.
             NonFiniteError: a number is NaN or infinite.
         """
-        stamp, data = self.decode_part(0, parts[0])
-        labels, sizes = self.shape(parts[0])
+        (labels, sizes), (head, data) = self._blocks(parts[0])
+        stamp = self._stamp(head)
         return Telemetry(stamp, labels, sizes, np.frombuffer(data))
 
     def decode_part(self, index: int, raw: bytes) -> tuple[int, bytes]:
         """The stamp [ns] and the bytes of all other blocks; ``index`` is 0, there is one part."""
-        head, data = self.layout_of(raw).blocks(raw)
+        head, data = self._blocks(raw)[1]
         return self._stamp(head), data
 
     def peek_stamp(self, raw: bytes) -> int:
         """The stamp [ns] of a message."""
         return self.decode_part(0, raw)[0]
+
+    def read(self, raw: bytes) -> tuple[int, bytes]:
+        """The stamp [ns] of a message, and the same message with zero padding and nothing behind it."""
+        layout = self.layout_of(raw)
+        return self._stamp(layout.blocks(raw)[0]), layout.canonical(raw)
 
     def canonical(self, raw: bytes) -> bytes:
         """The same message with zero padding and nothing behind it."""
@@ -83,11 +88,16 @@ class TelemetryCodec:
         """The layout of a message."""
         return self._find(raw)[1]
 
+    def _blocks(self, raw: bytes) -> tuple[Shape, tuple[bytes, ...]]:
+        shape, layout = self._find(raw)
+        return shape, layout.blocks(raw)
+
     def _find(self, raw: bytes) -> tuple[Shape, Layout]:
-        if self._last is None or not self._last[1].matches(raw):
+        last = self._last
+        if last is None or not (last[1].is_canonical(raw) or last[1].matches(raw)):
             shape = self._parse(raw)
-            self._last = shape, self._layout(shape)
-        return self._last
+            last = self._last = shape, self._layout(shape)
+        return last
 
     def _layout(self, shape: Shape) -> Layout:
         layout = self._cache.get(shape)

@@ -91,10 +91,10 @@ class TopicBytes:
 
     def __init__(self, joint_names: Sequence[str]) -> None:
         codecs = (StateCodec(joint_names), ReferenceCodec(joint_names), CommandCodec(joint_names))
-        self._layouts: dict[str, Layout] = {
-            topic.name: layout for codec in codecs for topic, layout in zip(codec.topics, codec.layouts, strict=True)
+        self._layouts: dict[Topic, Layout] = {
+            topic: layout for codec in codecs for topic, layout in zip(codec.topics, codec.layouts, strict=True)
         }
-        self._telemetry = {topic.name: TelemetryCodec(topic) for topic in (CONTROLLER_TELEMETRY, PLANT_TELEMETRY)}
+        self._telemetry = {topic: TelemetryCodec(topic) for topic in (CONTROLLER_TELEMETRY, PLANT_TELEMETRY)}
 
     def read(self, topic: Topic, raw: bytes) -> tuple[int, bytes]:
         """The stamp [ns] and the canonical bytes of a message.
@@ -102,9 +102,17 @@ class TopicBytes:
         Raises:
             LayoutError: it is not a message of the topic's type, or it has no stamp.
         """
-        data = self.canonical(topic, raw)
-        telemetry = self._telemetry.get(topic.name)
-        return (peek_stamp(data) if telemetry is None else telemetry.peek_stamp(data)), data
+        layout = self._layouts.get(topic)
+        if layout is not None and layout.is_canonical(raw):
+            return peek_stamp(raw), raw
+        telemetry = self._telemetry.get(topic)
+        if telemetry is None:
+            data = self.canonical(topic, raw)
+            return peek_stamp(data), data
+        try:
+            return telemetry.read(raw)
+        except LayoutError:
+            return telemetry.read(canonical_message(topic.type, raw))
 
     def canonical(self, topic: Topic, raw: bytes) -> bytes:
         """The same message with zero padding and nothing behind it.
@@ -112,10 +120,10 @@ class TopicBytes:
         Raises:
             LayoutError: it is not a message of the topic's type.
         """
-        layout = self._layouts.get(topic.name)
-        if layout is None and topic.name in self._telemetry:
+        layout = self._layouts.get(topic)
+        if topic in self._telemetry:
             try:
-                return self._telemetry[topic.name].canonical(raw)
+                return self._telemetry[topic].canonical(raw)
             except LayoutError:
                 return canonical_message(topic.type, raw)
         if layout is not None and layout.matches(raw):
