@@ -145,7 +145,10 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
     from space_robot_bringup.progress import Progress
     from space_robot_bringup.run import Hooks, run_experiment
     from space_robot_bringup.stopping import StopFlag
+    from space_robot_sim.kernel.cache import must_compile
 
+    if must_compile() and not quiet:
+        err.print("compiling the plant, once (about 20 s)")
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
