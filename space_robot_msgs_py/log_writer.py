@@ -17,7 +17,6 @@ from space_robot_msgs_py.mcap_index import write_indexed
 from space_robot_msgs_py.mcap_records import message_bytes, metadata_bytes
 from space_robot_msgs_py.topics import ROBOT_DESCRIPTION, Topic
 
-_RANK = {topic.name: rank for rank, topic in enumerate(LOGGED)}
 _IDS = tuple(CHANNELS[topic.name] for topic in LOGGED)
 
 
@@ -65,12 +64,11 @@ class LogWriter:
         Raises:
             LogError: a topic is not recorded by tick, time does not go on, or the disk refuses.
         """
-        row: list[bytes | None] = [None] * len(LOGGED)
-        for topic, data in parts.items():
-            if topic.name not in _RANK:
-                accepted = ", ".join(_RANK)
-                raise LogError("not a topic of a tick", key=str(self.path), value=topic.name, accepted=accepted)
-            row[_RANK[topic.name]] = data
+        row = [parts.get(topic) for topic in LOGGED]
+        if len(parts) != len(row) - row.count(None):
+            unknown = next(topic.name for topic in parts if topic not in LOGGED)
+            accepted = ", ".join(topic.name for topic in LOGGED)
+            raise LogError("not a topic of a tick", key=str(self.path), value=unknown, accepted=accepted)
         self.write_row(stamp, row)
 
     def write_row(self, stamp: int, row: Sequence[bytes | None]) -> None:

@@ -19,6 +19,8 @@ MAGIC = b"\x89MCAP0\r\n"
 PREFIX = struct.Struct("<BQ")
 MESSAGE = struct.Struct("<HIQQ")
 _MESSAGE_RECORD = struct.Struct("<BQHIQQ")
+# Python 3.11 looks members of an enumeration up in Python.
+_MESSAGE_OPCODE = int(Opcode.MESSAGE)
 
 
 R = TypeVar("R")
@@ -40,7 +42,7 @@ def metadata_bytes(name: str, entries: dict[str, str]) -> bytes:
 def message_bytes(channel: int, sequence: int, stamp: int, data: bytes) -> bytes:
     """A message record, both of whose times are the stamp [ns]; mcap's own class takes twenty times as long."""
     size = MESSAGE.size + len(data)
-    return _MESSAGE_RECORD.pack(Opcode.MESSAGE, size, channel, sequence, stamp, stamp) + data
+    return _MESSAGE_RECORD.pack(_MESSAGE_OPCODE, size, channel, sequence, stamp, stamp) + data
 
 
 def scan(stream: IO[bytes], size: int) -> Iterator[tuple[int, bytes]]:

@@ -41,13 +41,16 @@ class PlantTelemetry:
         if self._floating:
             blocks["force_ignored"] = 1
         self._labels, self._sizes = tuple(blocks), tuple(blocks.values())
-        self._lower, self._upper, self._n = robot.joint_lower, robot.joint_upper, n
+        self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
     def of(self, stamp: int, acting: Vector, plant: Flight) -> Telemetry:
         """Telemetry at a stamp [ns] after a period under the command ``acting`` (6+n,)."""
-        joints = plant.y[7 : 7 + self._n]
-        outside = np.maximum(np.maximum(self._lower - joints, joints - self._upper), 0.0)
-        parts = [
+        # On Python floats: at this size several times faster than on arrays.
+        joints = plant.y[7 : 7 + self._n].tolist()
+        rest = [max(low - x, x - high, 0.0) for x, (low, high) in zip(joints, self._limits, strict=True)]
+        if self._floating:
+            rest.append(float(any(acting[:3].tolist())))
+        parts = (
             plant.y[: 13 + 2 * self._n],
             plant.now[:7],
             plant.gauges[:4],
@@ -55,8 +58,6 @@ class PlantTelemetry:
             plant.allocation.wrench,
             plant.effort,
             plant.allocation.saturated,
-            outside,
-        ]
-        if self._floating:
-            parts.append(np.array([float(acting[:3].any())]))
+            np.array(rest),
+        )
         return Telemetry(stamp, self._labels, self._sizes, np.concatenate(parts))

@@ -124,7 +124,7 @@ class Law(ABC):
             command = Command(stamp, u[:6], u[6:])
         except NonFiniteError as error:
             raise self._failure("not a finite number", f"u ({error.key})", stamp, error.value) from error
-        if self.robot.base_mode == "free_floating" and command.wrench[:3].any():
+        if self.robot.base_mode == "free_floating" and any(command.wrench[:3].tolist()):
             value = command.wrench[:3].tolist()
             raise self._failure("force on a free-floating base", "u (command.wrench)", stamp, value, "zero force")
         return command
