@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, NonNegativeFloat, PositiveFloat
+from pydantic_core import CoreSchema
 
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
@@ -16,10 +17,37 @@ Three = Annotated[tuple[float, ...], Field(min_length=3, max_length=3)]
 PerJoint = float | tuple[float, ...] | dict[str, float]
 
 
+# No quantity of a spacecraft in SI units is larger, and products of a few such numbers do not overflow.
+LARGEST = 1e15
+
+
+def _hold_numbers(schema: Any) -> None:
+    if isinstance(schema, list | tuple):
+        for part in schema:
+            _hold_numbers(part)
+    elif isinstance(schema, dict):
+        if schema.get("type") in ("float", "int"):
+            schema["strict"] = True
+        if schema.get("type") == "float":
+            if not schema.keys() & {"ge", "gt"}:
+                schema["ge"] = -LARGEST
+            if not schema.keys() & {"le", "lt"}:
+                schema["le"] = LARGEST
+        for part in list(schema.values()):
+            _hold_numbers(part)
+
+
 class Strict(BaseModel):
-    """Base of every typed file: unknown keys, NaN and infinity are errors; values are immutable."""
+    """Base of every typed file: unknown keys, NaN, infinity and what is no number are errors; values are immutable."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Hold every number of the model to being one: neither ``true`` nor ``"0.1"``, nor beyond ``LARGEST``."""
+        schema = handler(source)
+        _hold_numbers(schema)
+        return schema
 
 
 class JointMotors(Strict):

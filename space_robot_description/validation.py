@@ -41,8 +41,23 @@ def parse_yaml_text(text: str, where: str) -> dict[str, Any]:
     Raises:
         SpecError: see `parse_yaml`.
     """
+    data = parse_yaml_value(text, where)
+    if not isinstance(data, dict):
+        raise SpecError("the file does not hold a mapping", key=where, value=_short(data), accepted="key: value lines")
+    if found := _non_finite(data, (), frozenset()):
+        key = f"{where} {'.'.join(found[0])}"
+        raise SpecError("not a finite number", key=key, value=found[1], accepted="finite numbers")
+    return data
+
+
+def parse_yaml_value(text: str, where: str) -> Any:
+    """Parse YAML text that may be anything: a mapping, a list, a number; ``where`` names it in errors.
+
+    Raises:
+        SpecError: not YAML (with line and column), or a key twice.
+    """
     try:
-        data = YAML(typ="safe", pure=True).load(text)
+        return YAML(typ="safe", pure=True).load(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
@@ -51,12 +66,6 @@ def parse_yaml_text(text: str, where: str) -> dict[str, Any]:
         raise SpecError(f"not valid YAML{place}: {problem}", key=where) from None
     except (YAMLError, ValueError, RecursionError) as error:
         raise SpecError(f"not valid YAML: {str(error).splitlines()[0]}", key=where) from None
-    if not isinstance(data, dict):
-        raise SpecError("the file does not hold a mapping", key=where, value=_short(data), accepted="key: value lines")
-    if found := _non_finite(data, (), frozenset()):
-        key = f"{where} {'.'.join(found[0])}"
-        raise SpecError("not a finite number", key=key, value=found[1], accepted="finite numbers")
-    return data
 
 
 def validate(model_class: type[Model], data: object, where: str) -> Model:
