@@ -13,6 +13,8 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
 from space_robot_sim.spec import ChannelSpec, SensorSpec
 
+LONGEST_DELAY = 10_000  # control periods; every one of them is kept
+
 
 class Sensors:
     """The suite of one robot.
@@ -26,7 +28,7 @@ class Sensors:
         seed: of all generators.
 
     Raises:
-        SpecError: a delay that is not a whole number of periods, or a vector of the wrong length.
+        SpecError: a delay that is too long or not a whole number of periods, or a vector of the wrong length.
     """
 
     def __init__(self, spec: SensorSpec, joints: int, period: int, seed: int) -> None:
@@ -98,7 +100,7 @@ class _Channel:
 
 
 def _channel(name: str, spec: ChannelSpec, size: int, period: int, rng: np.random.Generator) -> _Channel:
-    key = f"sensors.{name}"
+    key = f"plant.sensors.{name}"
     periods, rest = divmod(round(spec.delay * NANOSECONDS), period)
     if rest:
         raise SpecError(
@@ -106,6 +108,13 @@ def _channel(name: str, spec: ChannelSpec, size: int, period: int, rng: np.rando
             key=f"{key}.delay",
             value=spec.delay,
             accepted=f"multiples of {period / NANOSECONDS:g} s",
+        )
+    if periods > LONGEST_DELAY:
+        raise SpecError(
+            "too old a reading",
+            key=f"{key}.delay",
+            value=spec.delay,
+            accepted=f"at most {LONGEST_DELAY} control periods, {LONGEST_DELAY * period / NANOSECONDS:g} s",
         )
     noise, bias, quantum = (
         _numbers(value, size, f"{key}.{field}")

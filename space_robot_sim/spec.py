@@ -8,6 +8,13 @@ import numpy as np
 from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
 
 from space_robot_description.spec import Strict
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import NANOSECONDS
+
+# In one control period, fixed or adaptive; the kernel's own bound, whose module needs the compiler.
+MOST_STEPS = 20_000
+STEP_KEY = "plant.integrator.step"
+_LONGEST_STEP = {"dop853": 0.05, "rk4": 0.005}
 
 
 class IntegratorSpec(Strict):
@@ -24,6 +31,35 @@ class IntegratorSpec(Strict):
     kernel: Literal["auto", "numba", "pinocchio"] = Field(
         default="auto", description="auto: compiled where numba is installed, over pinocchio where not"
     )
+
+
+def method(spec: IntegratorSpec, *, rough: bool) -> str:
+    """The kind of integration that ``auto`` stands for; ``rough``: a motor has lag or friction."""
+    if spec.kind != "auto":
+        return spec.kind
+    return "dop853_adaptive" if rough else "dop853"
+
+
+def fixed_steps(spec: IntegratorSpec, kind: str, period: int) -> int:
+    """Number of equal steps in a control period [ns] of an integration in fixed steps.
+
+    Raises:
+        SpecError: they would not be whole nanoseconds, or there would be too many.
+    """
+    seconds, longest = period / NANOSECONDS, spec.step or _LONGEST_STEP[kind]
+    # The margin lets 0.1 s be two steps of 0.05 s whatever the rounding of the quotient.
+    steps = max(1.0, np.ceil(seconds / longest - 1e-9))
+    if steps > MOST_STEPS:
+        accepted = f"at least {seconds / MOST_STEPS:g} s, which is {MOST_STEPS} steps in a control period"
+        raise SpecError("too short", key=STEP_KEY, value=longest, accepted=accepted)
+    if period % int(steps):
+        raise SpecError(
+            f"a control period of {period} ns does not divide into {steps:.0f} equal steps",
+            key=STEP_KEY,
+            value=longest,
+            accepted="a step that divides the control period into whole nanoseconds",
+        )
+    return int(steps)
 
 
 def _not_negative(value: float | tuple[float, ...]) -> float | tuple[float, ...]:

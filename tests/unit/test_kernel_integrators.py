@@ -12,9 +12,10 @@ import pytest
 
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import Command
+from space_robot_sim.kernel.steps import STEP_BOUND
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, A, B, C
 from space_robot_sim.plant import InitialState, SimulatedRobot
-from space_robot_sim.spec import IntegratorSpec
+from space_robot_sim.spec import MOST_STEPS, IntegratorSpec
 from tests.robots import arm_model, random_model, random_state, robot_of
 
 SECOND = 1_000_000_000
@@ -129,6 +130,11 @@ def test_period_that_does_not_divide_is_refused() -> None:
     initial = InitialState(*random_state(np.random.default_rng(0), 7))
     with pytest.raises(SpecError, match=r"100000000 ns does not divide into 3 equal steps.*0.04"):
         SimulatedRobot(robot, control_period=SECOND // 10, initial=initial, integrator=IntegratorSpec(step=0.04))
+
+
+def test_fixed_and_adaptive_steps_have_one_bound() -> None:
+    """What a file may ask for in fixed steps is what the kernel allows in adaptive ones."""
+    assert MOST_STEPS == STEP_BOUND
 
 
 def test_tolerance_that_cannot_be_kept_is_an_error() -> None:

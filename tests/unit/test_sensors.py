@@ -121,9 +121,9 @@ def test_quantised_readings_are_multiples() -> None:
 
 def test_bad_channels_are_refused() -> None:
     """A delay off the grid, a vector of the wrong length and a negative deviation are errors by name."""
-    with pytest.raises(SpecError, match=r"sensors.position.delay: .*got 0.15; accepted: multiples of 0.1 s"):
+    with pytest.raises(SpecError, match=r"plant.sensors.position.delay: .*got 0.15; accepted: multiples of 0.1 s"):
         sensors(position={"delay": 0.15})
-    with pytest.raises(SpecError, match=r"sensors.joint_velocity.bias: wrong number"):
+    with pytest.raises(SpecError, match=r"plant.sensors.joint_velocity.bias: wrong number"):
         sensors(joint_velocity={"bias": [1.0, 2.0]})
     with pytest.raises(ValidationError, match="must not be negative"):
         sensors(position={"noise": -1.0})
