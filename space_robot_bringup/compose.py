@@ -14,6 +14,7 @@ from space_robot_bringup.metrics import metric_names
 from space_robot_bringup.verdict import check_expectations
 from space_robot_control.laws.registry import make_law
 from space_robot_control.references.make import make_reference
+from space_robot_control.references.targets import check_limits
 from space_robot_control.rotations import from_rpy
 from space_robot_description.dispersion import disperse
 from space_robot_description.load import load_robot
@@ -23,6 +24,8 @@ from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Controller, Plant, ReferenceSource, Vector
 from space_robot_msgs_py.log_header import LogHeader
+from space_robot_sim.sensors import Sensors
+from space_robot_sim.spec import fixed_steps, method
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
@@ -101,6 +104,7 @@ def compose(experiment: Experiment) -> Composition:
     resolved = experiment.model_copy(update={"robot": dict(robot.resolved)})
     header = LogHeader(to_yaml(resolved), robot.urdf, experiment.seed, robot.joint_names, versions())
     q0, v0 = _initial(experiment.initial, robot)
+    _check_plant(experiment, truth)
     composition = Composition(experiment, nominal, truth, header, seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
@@ -120,6 +124,16 @@ def versions() -> dict[str, str]:
     return found
 
 
+def _check_plant(experiment: Experiment, truth: Robot) -> None:
+    """What the plant would refuse, without waiting for its compiler."""
+    spec, motors = experiment.plant, truth.actuators.joints
+    roughness = [expand(part, truth.joint_names, "joints") for part in (motors.lag, motors.viscous, motors.coulomb)]
+    kind = method(spec.integrator, rough=bool(np.any(roughness)))
+    if kind != "dop853_adaptive":
+        fixed_steps(spec.integrator, kind, experiment.period)
+    Sensors(spec.sensors, truth.n, experiment.period, seed=0)
+
+
 def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: str) -> Robot:
     if spec.dispersion is not None:
         robot = disperse(robot, spec.dispersion, np.random.default_rng(seed))
@@ -134,8 +148,10 @@ def _initial(spec: Initial, robot: Robot) -> tuple[Vector, Vector]:
         joints = np.radians(
             expand(spec.joints_deg, robot.joint_names, "initial.joints_deg", np.degrees(joints).tolist())
         )
+        check_limits(joints, joints, robot, "initial.joints_deg", in_degrees=True)
     elif spec.joints is not None:
         joints = expand(spec.joints, robot.joint_names, "initial.joints", joints.tolist())
+        check_limits(joints, joints, robot, "initial.joints")
     quaternion = from_rpy([radians(angle) for angle in spec.attitude_deg])
     q0 = np.concatenate([np.array(spec.position), quaternion, joints])
     v0 = np.concatenate([np.array(spec.linear_velocity), np.array(spec.angular_velocity), np.zeros(robot.n)])

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from io import StringIO
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 from ruamel.yaml.scalarstring import LiteralScalarString
@@ -19,7 +19,7 @@ from space_robot_description.dispersion import Dispersion
 from space_robot_description.payload import Payload
 from space_robot_description.share import config_dir, shipped
 from space_robot_description.spec import PerJoint, Strict, Three
-from space_robot_description.validation import nearest, parse_yaml, validate
+from space_robot_description.validation import nearest, parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_sim.spec import IntegratorSpec, SensorSpec
 
@@ -35,6 +35,12 @@ class Initial(Strict):
     joints: PerJoint | None = Field(default=None, description="the same in [rad] or [m]")
     linear_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="of the base, body frame [m/s]")
     angular_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="of the base, body frame [rad/s]")
+
+    @model_validator(mode="after")
+    def _said_once(self) -> Self:
+        if self.joints is not None and self.joints_deg is not None:
+            raise ValueError("say joints or joints_deg, not both")
+        return self
 
 
 class ControllerSpec(Strict):
@@ -69,6 +75,14 @@ class Expectation(Strict):
     tolerance: NonNegativeFloat = Field(default=0.0, description="allowed distance from the value")
     min: float | None = None
     max: float | None = None
+
+    @model_validator(mode="after")
+    def _can_hold(self) -> Self:
+        if self.value is None and self.min is None and self.max is None:
+            raise ValueError("say value, min or max")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise ValueError("min must not be above max")
+        return self
 
 
 class Experiment(Strict):
@@ -163,7 +177,7 @@ def apply_override(data: dict[str, Any], override: str) -> None:
                 "is a value, not a section", key=f"--set {key}", value=parent, accepted="a key of a section"
             )
         place = child
-    place[last] = YAML(typ="safe", pure=True).load(StringIO(text))
+    place[last] = parse_yaml_value(text, f"--set {key}")
 
 
 def to_yaml(experiment: Experiment) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from space_robot_bringup.experiment import Experiment
@@ -51,14 +52,14 @@ def verdict(console: Console, experiment: Experiment, mode: str, result: RunResu
 
 
 def _axes(experiment: Experiment, metrics: RunMetrics) -> Table:
-    table = Table(title=experiment.title or None, title_justify="left", box=SIMPLE_HEAD)
+    table = Table(title=escape(experiment.title) or None, title_justify="left", box=SIMPLE_HEAD)
     table.add_column("axis", no_wrap=True)
     for heading in ("travel", "final\nerror", "max\nerror", "rms\nerror", "settling\n2 % [s]", "over-\nshoot [%]"):
         table.add_column(heading, justify="right", no_wrap=True, min_width=6)
     for axis in metrics.axes:
         lengths = (axis.travel, axis.final_error, axis.max_error, axis.rms_error)
         table.add_row(
-            f"{axis.name} [{axis.unit}]".replace("[", r"\["),
+            escape(f"{axis.name} [{axis.unit}]"),
             *(_short(value) for value in lengths),
             "-" if axis.settling_time is None else f"{axis.settling_time:g}",
             "-" if axis.overshoot is None else f"{axis.overshoot:.2f}",
@@ -88,7 +89,9 @@ def _totals(mode: str, result: RunResult, metrics: RunMetrics) -> Table:
 
 def robot(console: Console, report: RobotReport) -> None:
     """Print a robot report: totals, bodies, joints."""
-    totals = Table(title=f"{report.name}: {report.n} joints, {report.base_mode}", title_justify="left", box=None)
+    totals = Table(
+        title=f"{escape(report.name)}: {report.n} joints, {report.base_mode}", title_justify="left", box=None
+    )
     totals.show_header = False
     for name, value in _robot_totals(report).items():
         totals.add_row(name, value)
@@ -98,7 +101,7 @@ def robot(console: Console, report: RobotReport) -> None:
     for heading in ("mass [kg]", "com [m]", "Ixx, Iyy, Izz [kg m2]"):
         bodies.add_column(heading.replace("[", r"\["))
     for body in report.bodies:
-        bodies.add_row(body.name, f"{body.mass:g}", _numbers(body.com), _numbers(body.inertia.diagonal()))
+        bodies.add_row(escape(body.name), f"{body.mass:g}", _numbers(body.com), _numbers(body.inertia.diagonal()))
     console.print(bodies)
     joints = Table(box=SIMPLE_HEAD)
     joints.add_column("joint", no_wrap=True)
@@ -106,12 +109,12 @@ def robot(console: Console, report: RobotReport) -> None:
         joints.add_column(heading.replace("[", r"\["), justify="right")
     for row in report.joints:
         values = (row.lower, row.upper, row.home, row.effort, row.lag, row.viscous, row.coulomb)
-        joints.add_row(row.name, *(f"{value:.4g}" for value in values))
+        joints.add_row(escape(row.name), *(f"{value:.4g}" for value in values))
     console.print(joints)
 
 
 def _robot_totals(report: RobotReport) -> dict[str, str]:
-    wheels, force = report.momentum_capacity, report.force_capacity
+    wheels, force, reach = report.momentum_capacity, report.force_capacity, report.reach
     return {
         "mass": f"{report.total_mass:g} kg",
         "centre of mass at home": f"{_numbers(report.system_com)} m",
@@ -119,7 +122,7 @@ def _robot_totals(report: RobotReport) -> dict[str, str]:
         "momentum capacity per axis": f"{_numbers(wheels)} N m s" if wheels is not None else "no wheels",
         "torque capacity per axis": f"{_numbers(report.torque_capacity)} N m",
         "force capacity per axis": f"{_numbers(force)} N" if force is not None else "none (free-floating)",
-        f"reach of {report.tool_frame}": f"{report.reach.sampled:.3f} m sampled, below {report.reach.sum_bound:.3f} m",
+        f"reach of {escape(report.tool_frame)}": f"{reach.sampled:.3f} m sampled, below {reach.sum_bound:.3f} m",
         "base-arm coupling, condition": f"{report.coupling.condition:.4g}",
         "base rate per joint rate": f"{report.coupling.rate_ratio:.4g}",
         "base torque per joint effort": f"{report.coupling.torque_ratio:.4g}",

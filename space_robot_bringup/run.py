@@ -121,11 +121,13 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
 
 def _fly(composition: Composition, directory: Path, mode: Mode, realtime: float | None, hooks: Hooks) -> str:
     if mode == "headless":
+        # The log last: what cannot be made leaves none behind.
+        plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
         sink = LogSink(directory, composition.header, custom={"mode": mode})
         return closed_loop.run(
-            composition.plant(),
-            composition.controller(),
-            composition.reference(),
+            plant,
+            controller,
+            reference,
             steps=composition.experiment.steps,
             sink=sink,
             on_tick=hooks.on_tick,

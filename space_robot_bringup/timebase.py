@@ -7,6 +7,9 @@ from decimal import Decimal
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
+# Telemetry holds stamps as doubles, exact up to here (104 days).
+LAST_STAMP = 2**53
+
 
 def to_nanoseconds(seconds: float, key: str) -> int:
     """Exact conversion of a decimal number of seconds.
@@ -24,12 +27,15 @@ def steps_of(duration: float, control_period: float) -> int:
     """Number of control periods in a duration.
 
     Raises:
-        SpecError: the duration is not a multiple of the control period.
+        SpecError: the duration is not a multiple of the control period, or beyond the last stamp.
     """
     total, period = to_nanoseconds(duration, "duration"), to_nanoseconds(control_period, "control_period")
+    if total > LAST_STAMP:
+        longest = f"at most {LAST_STAMP / NANOSECONDS:.0f} s, the last stamp a log can hold"
+        raise SpecError("too long", key="duration", value=duration, accepted=longest)
     steps, rest = divmod(total, period)
     if rest or not steps:
-        below, above = max(steps, 1) * period / NANOSECONDS, (steps + 1) * period / NANOSECONDS
+        below, above = max(steps, 1) * period / NANOSECONDS, max(steps + 1, 2) * period / NANOSECONDS
         raise SpecError(
             f"not a multiple of control_period {control_period:g} s",
             key="duration",

@@ -1,0 +1,92 @@
+"""What nobody can fly is refused in one line that names key and value, before anything is written."""
+
+from __future__ import annotations
+
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from space_robot_bringup import render
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.run import run_experiment
+from space_robot_msgs_py.errors import SpaceRobotError
+
+FLIGHT = """
+title: "[red] [/] brackets"
+robot: mini
+control_period: 0.25
+duration: 0.5
+initial: {joints_deg: [90, 45, 45, 0]}
+reference: {kind: step, attitude_deg: [10, 0, 0]}
+"""
+REFUSED = {
+    "a truth value": ("plant.sensors.attitude.noise=true", "plant.sensors.attitude.noise", "valid number"),
+    "a text": ("control_period='0.25'", "control_period", "valid number"),
+    "a huge number": ("plant.sensors.position.bias=1e308", "plant.sensors.position.bias", "1000000000000000"),
+    "a huge time": ("reference.time=1e300", "reference.time", "1000000000000000"),
+    "a flight of ages": ("duration=1e10", "duration", "at most 9007199 s"),
+    "a period beyond the flight": ("control_period=8.0", "duration", "e.g. 8 or 16"),
+    "a step without end": ("plant.integrator.step=1e-9", "plant.integrator.step", "at least 1.25e-05 s"),
+    "a step of nothing": ("plant.integrator.step=1e-300", "plant.integrator.step", "at least 1.25e-05 s"),
+    "too few components": ("plant.sensors.attitude.noise=[1, 2]", "plant.sensors.attitude.noise", "or 3"),
+    "a delay off the grid": ("plant.sensors.attitude.delay=0.1", "plant.sensors.attitude.delay", "multiples of 0.25"),
+    "a delay of ages": ("plant.sensors.attitude.delay=1e9", "plant.sensors.attitude.delay", "at most 10000"),
+    "joints twice": ("initial.joints=[0, 1, 0, 0]", "initial", "not both"),
+    "a start outside the limits": ("initial.joints_deg=[90, 45, 45, 1000]", "initial.joints_deg.joint4", "-180 to 180"),
+    "an empty bound": ("expect={base/roll.final_error: {}}", "expect.base/roll.final_error", "value, min or max"),
+    "bounds that exclude each other": (
+        "expect={base/roll.final_error: {min: 2, max: 1}}",
+        "expect.base/roll.final_error",
+        "not be above",
+    ),
+    "half a mapping": ("controller.gains={", "--set controller.gains", "YAML"),
+    "an unknown alias": ("title=*a", "--set title", "YAML"),
+    "too many digits": ("seed=" + "9" * 5000, "--set seed", "YAML"),
+}
+
+
+@pytest.fixture
+def flight(tmp_path: Path) -> Path:
+    """An experiment that flies."""
+    path = tmp_path / "flight.yaml"
+    path.write_text(FLIGHT, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("override", "key", "accepted"), list(REFUSED.values()), ids=list(REFUSED))
+def test_it_is_refused_when_checked(flight: Path, override: str, key: str, accepted: str) -> None:
+    """`check` names the key and what is accepted in one short line."""
+    with pytest.raises(SpaceRobotError) as refusal:
+        compose(load_experiment(str(flight), [override]))
+    line = str(refusal.value)
+    assert key in line
+    assert accepted in line
+    assert "\n" not in line
+    assert len(line) < 400
+
+
+@pytest.mark.parametrize(
+    "override",
+    ["initial.angular_velocity=[1e15, 0, 0]", "plant.sensors.attitude.noise=1e15", "plant.sensors.position.noise=1e15"],
+)
+def test_what_only_a_flight_can_tell_ends_with_a_verdict_or_leaves_nothing(flight: Path, override: str) -> None:
+    """Numbers that pass every check still never leave half a log: there is none, or one with a reason and a verdict."""
+    bag = flight.with_name("bag")
+    try:
+        result = run_experiment(load_experiment(str(flight), [override]), bag, mode="headless")
+    except SpaceRobotError:
+        assert not bag.exists()
+    else:
+        assert result.checks
+        assert result.end_reason
+
+
+def test_names_with_brackets_are_shown_as_they_are(flight: Path) -> None:
+    """A title is text, never markup."""
+    experiment, out = load_experiment(str(flight)), StringIO()
+    result = run_experiment(experiment, flight.with_name("bag"), mode="headless")
+    render.verdict(Console(file=out), experiment, "headless", result)
+    assert "[red] [/] brackets" in out.getvalue()
