@@ -17,7 +17,7 @@ from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
 from space_robot_description.dispersion import Dispersion
 from space_robot_description.payload import Payload
-from space_robot_description.share import config_dir, shipped
+from space_robot_description.share import config_dir, is_file, shipped
 from space_robot_description.spec import PerJoint, Strict, Three
 from space_robot_description.validation import nearest, parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import InputFileError, SpecError
@@ -132,7 +132,7 @@ def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experim
     for override in overrides:
         apply_override(data, override)
     robot = data.get("robot")
-    if isinstance(robot, str) and (path.parent / robot).is_file():
+    if isinstance(robot, str) and is_file(path.parent / robot):
         data["robot"] = str(path.parent / robot)
     if isinstance(data.get("reference"), dict):
         data["reference"] = with_recorded_log(data["reference"], path.parent)
@@ -149,10 +149,10 @@ def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
 def experiment_path(name_or_path: str) -> Path:
     """The file of a shipped experiment, or the given path."""
     path = Path(name_or_path)
-    if path.is_file():
+    if is_file(path):
         return path
     inside = config_dir() / "experiments" / f"{name_or_path}.yaml"
-    if inside.is_file():
+    if is_file(inside):
         return inside
     names = shipped("experiments")
     raise InputFileError(

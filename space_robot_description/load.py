@@ -13,7 +13,7 @@ from space_robot_description.compose import compose_urdf
 from space_robot_description.model import JointRow, build_model, end_of_arm
 from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import RobotSpec
-from space_robot_description.share import config_dir, resource, shipped
+from space_robot_description.share import config_dir, is_file, resource, shipped
 from space_robot_description.spec import Actuators, expand
 from space_robot_description.urdf import Tree, child_of, parse_urdf
 from space_robot_description.validation import nearest, parse_yaml, validate
@@ -50,7 +50,7 @@ def robot_path(name_or_path: str | Path) -> Path:
     if path.suffix in (".urdf", ".xacro"):
         accepted = f"a robot file with `urdf: {path.name}`, a base mode and actuators"
         raise SpecError("a URDF alone does not fly", key="robot", value=str(name_or_path), accepted=accepted)
-    if path.is_file():
+    if is_file(path):
         return path
     if path.suffix or len(path.parts) != 1:
         raise InputFileError("no such robot file", key="robot", value=str(name_or_path))

@@ -35,6 +35,14 @@ def shipped(kind: str) -> list[str]:
     return sorted(path.relative_to(root).with_suffix("").as_posix() for path in root.rglob("*.yaml"))
 
 
+def is_file(path: Path) -> bool:
+    """True if there is such a file; a name the system cannot even look up is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def resource(uri: str, folder: Path) -> Path:
     """The file a robot file points at.
 
@@ -51,7 +59,7 @@ def resource(uri: str, folder: Path) -> Path:
     if uri.startswith("package://"):
         return _in_package(uri)
     path = folder / uri
-    if not path.is_file():
+    if not is_file(path):
         raise InputFileError("no such URDF file", key="urdf", value=str(path), accepted="a file beside the robot file")
     return path
 
@@ -68,7 +76,7 @@ def _in_wheel(uri: str) -> Path:
             accepted="pip install example-robot-data (extra: space-robot[robots])",
         )
     path = roots[0] / uri.removeprefix(WHEEL_SCHEME)
-    if not path.is_file():
+    if not is_file(path):
         raise InputFileError("the example-robot-data wheel has no such file", key="urdf", value=uri)
     return path
 
@@ -76,7 +84,7 @@ def _in_wheel(uri: str) -> Path:
 def _in_package(uri: str) -> Path:
     relative = uri.removeprefix("package://")
     for prefix in _ament_prefixes():
-        if (path := prefix / "share" / relative).is_file():
+        if is_file(path := prefix / "share" / relative):
             return path
     raise InputFileError(
         "no such file in the share folder of a ROS package",
