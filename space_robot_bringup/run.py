@@ -109,7 +109,8 @@ class Stopwatch:
 
 def judge_log(directory: Path, composition: Composition, reason: str, wall_time: float) -> RunResult:
     """The result of a run, read back from its log."""
-    ticks = list(LogReader(directory).ticks())
+    # Resolved as the writer did: `a/../b` is a place even where there is no `a`.
+    ticks = list(LogReader(directory.resolve()).ticks())
     metrics = None
     checks: tuple[Check, ...] = ()
     if ticks:

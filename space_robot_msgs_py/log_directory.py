@@ -29,8 +29,10 @@ def prepare_directory(directory: Path) -> Path:
         place.mkdir(parents=True, exist_ok=True)
     except LogError:
         raise
-    except OSError as error:
-        raise LogError(f"no run directory can be made here: {error.strerror or error}", key=str(directory)) from None
+    except (OSError, RuntimeError, ValueError) as error:
+        # Before Python 3.13 a loop of links is a RuntimeError; a null byte in a name is a ValueError.
+        reason = getattr(error, "strerror", None) or str(error)
+        raise LogError(f"no run directory can be made here: {reason}", key=str(directory)) from None
     if not place.name:
         raise LogError("a run directory needs a name", key=str(directory))
     return place / f"{place.name}{BAG_SUFFIX}"

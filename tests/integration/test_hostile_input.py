@@ -12,7 +12,8 @@ from space_robot_bringup import render
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
-from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_description.share import resource
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
 
 FLIGHT = """
 title: "[red] [/] brackets"
@@ -82,6 +83,27 @@ def test_what_only_a_flight_can_tell_ends_with_a_verdict_or_leaves_nothing(fligh
     else:
         assert result.checks
         assert result.end_reason
+
+
+@pytest.mark.parametrize("name", ["x" * 5000, "a\0b"])
+def test_names_no_system_can_look_up_are_no_files(flight: Path, name: str) -> None:
+    """Experiments, robots and URDFs that cannot exist are missing files, not failures of the system."""
+    for ask in (
+        lambda: load_experiment(name),
+        lambda: compose(load_experiment(str(flight), [f"robot={name}"])),
+        lambda: resource(name, flight.parent),
+    ):
+        with pytest.raises(SpaceRobotError):
+            ask()
+
+
+def test_run_directories_are_where_the_words_lead(flight: Path) -> None:
+    """``a/../b`` is ``b`` even where there is no ``a``; a loop of links is refused."""
+    experiment = load_experiment(str(flight))
+    assert run_experiment(experiment, flight.parent / "a" / ".." / "b", mode="headless").passed
+    (flight.parent / "loop").symlink_to("loop")
+    with pytest.raises(LogError, match="loop"):
+        run_experiment(experiment, flight.parent / "loop", mode="headless")
 
 
 def test_names_with_brackets_are_shown_as_they_are(flight: Path) -> None:
