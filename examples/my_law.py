@@ -21,7 +21,7 @@ class PdPlus(Law):
     class Gains(Law.Gains):
         """One number."""
 
-        bandwidth: PositiveFloat = Field(default=0.5, description="natural frequency wn [rad/s]")
+        bandwidth: PositiveFloat = Field(default=1.0, description="natural frequency wn [rad/s]")
 
     name = "pd_plus"
     gains: Gains

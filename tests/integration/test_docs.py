@@ -1,0 +1,105 @@
+"""What the pages in docs/ and examples/ show works as it stands there."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+from space_robot_bringup.cli import main
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import experiment_from, load_experiment
+from space_robot_bringup.run import run_experiment
+from space_robot_description.validation import parse_yaml_text
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
+EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
+# Whole experiments, sections of one, and robot files (which tests/unit/test_description_docs.py loads).
+KINDS = {"experiment": "control_period", "sections": "reference", "robot": "base_mode", "model": "payload"}
+
+
+def blocks(page: str, language: str) -> list[str]:
+    """The fenced blocks of a language on a page."""
+    return re.findall(rf"```{language}\n(.*?)```", PAGES[page], re.DOTALL)
+
+
+def yaml_blocks(kind: str) -> list[str]:
+    """All YAML blocks of a kind, the kind being the first of KINDS whose key they have."""
+    found = []
+    for page in PAGES:
+        for text in blocks(page, "yaml"):
+            keys = parse_yaml_text(text, page)
+            if next((name for name, key in KINDS.items() if key in keys), "") == kind:
+                found.append(text)
+    return found
+
+
+def test_every_block_is_of_a_kind_that_is_tried() -> None:
+    """No YAML on a page is left untried: each is an experiment, sections of one, a robot file or a model section."""
+    tried = sum(len(yaml_blocks(kind)) for kind in KINDS)
+    assert tried == sum(len(blocks(page, "yaml")) for page in PAGES)
+    assert yaml_blocks("experiment")
+    assert yaml_blocks("sections")
+
+
+@pytest.mark.parametrize("text", yaml_blocks("experiment"), ids=lambda text: text.splitlines()[0][:40])
+def test_experiments_fly_and_pass(tmp_path: Path, text: str) -> None:
+    """An experiment copied from a page flies and keeps what it expects."""
+    (tmp_path / "copied.yaml").write_text(text, encoding="utf-8")
+    result = run_experiment(load_experiment(str(tmp_path / "copied.yaml")), tmp_path / "bag", mode="headless")
+    assert result.passed, result.checks
+
+
+@pytest.mark.parametrize("text", yaml_blocks("sections"), ids=lambda text: text.splitlines()[1].strip())
+def test_sections_fit_an_experiment(text: str) -> None:
+    """Sections copied from a page into an experiment compose."""
+    base = {"robot": "mini", "control_period": 0.1, "duration": 1.0}
+    experiment = experiment_from(base | parse_yaml_text(text, "docs"), "docs")
+    assert compose(experiment).experiment.reference.kind in text
+
+
+def test_overrides_on_the_pages_work() -> None:
+    """Every ``--set KEY=VALUE`` on a page changes the page's first experiment."""
+    overrides = [found for text in PAGES.values() for found in re.findall(r"--set ([\w.]+=[\w.]+)", text)]
+    assert overrides
+    experiment = experiment_from(parse_yaml_text(yaml_blocks("experiment")[0], "docs"), "docs")
+    assert compose(load_experiment("liu2023/fig08", overrides)).experiment != experiment
+
+
+def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python copied from a page runs where the run directory it speaks of is."""
+    snippets = [text for page in PAGES for text in blocks(page, "python")]
+    monkeypatch.chdir(tmp_path)
+    for directory in {name for text in snippets for name in re.findall(r'"((?:runs|out)/[\w/]+)"', text)}:
+        run_experiment(load_experiment("liu2023/fig08", ["duration=1.0"]), Path(directory), mode="headless")
+    for text in snippets:
+        exec(compile(text, "docs", "exec"), {})
+
+
+def commands() -> list[str]:
+    """Every ``space-robot ...`` that a page or an example shows with its arguments."""
+    shown = [found for text in PAGES.values() for found in re.findall(r"`(space-robot [a-z][^`\n]*)`", text)]
+    return sorted(
+        {*shown, *(line for text in EXAMPLES.values() for line in re.findall(r"^ +(space-robot .*)$", text, re.M))}
+    )
+
+
+@pytest.mark.parametrize("command", commands())
+def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
+    """A command copied from a page or an example exits with 0, placeholders filled in and a short flight."""
+    words = shlex.split(command)[1:]
+    for name in ("examples", "config"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / "my_robot.yaml").write_text(yaml_blocks("robot")[0], encoding="utf-8")
+    words = ["liu2023/fig08" if word == "FILE" else word for word in words]
+    if words[0] == "run":
+        words += ["--out", "bag"]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["space-robot", *words])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 0
