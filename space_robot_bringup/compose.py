@@ -109,6 +109,7 @@ def compose(experiment: Experiment) -> Composition:
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
     composition.reference()
+    _check_recorded(experiment)
     composition.controller()
     return composition
 
@@ -132,6 +133,18 @@ def _check_plant(experiment: Experiment, truth: Robot) -> None:
     if kind != "dop853_adaptive":
         fixed_steps(spec.integrator, kind, experiment.period)
     Sensors(spec.sensors, truth.n, experiment.period, seed=0)
+
+
+def _check_recorded(experiment: Experiment) -> None:
+    """A recorded reference has a row for every tick up to its last; a gap would end the flight."""
+    spec = experiment.reference
+    if spec.kind != "recorded":
+        return
+    known, end = set(spec.stamps), min(spec.stamps[-1], experiment.steps * experiment.period)
+    missing = next((stamp for stamp in range(0, end + 1, experiment.period) if stamp not in known), None)
+    if missing is not None:
+        accepted = "one at every multiple of control_period up to the last"
+        raise SpecError(f"none at {missing} ns", key="reference.stamps", value=list(spec.stamps[:3]), accepted=accepted)
 
 
 def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: str) -> Robot:

@@ -59,5 +59,8 @@ class LogHeader:
                 tuple(json.loads(metadata["joint_names"])),
                 dict(json.loads(metadata["versions"])),
             )
+        except UnicodeDecodeError as error:
+            # Its own text would quote the whole attachment.
+            raise LogError(f"its header is damaged: {error.reason} at byte {error.start}", key=key) from None
         except (KeyError, ValueError, TypeError) as error:
             raise LogError(f"its header is incomplete or damaged: {error!r}", key=key) from None

@@ -13,7 +13,7 @@ from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
 from space_robot_description.share import resource
-from space_robot_msgs_py.errors import LogError, SpaceRobotError
+from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
 
 FLIGHT = """
 title: "[red] [/] brackets"
@@ -83,6 +83,30 @@ def test_what_only_a_flight_can_tell_ends_with_a_verdict_or_leaves_nothing(fligh
     else:
         assert result.checks
         assert result.end_reason
+
+
+def test_a_recording_with_gaps_is_refused(flight: Path) -> None:
+    """A recorded reference of another control period is refused before the flight, not in its middle."""
+    row, still = [0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1], [0] * 10
+    columns = {"q": [row, row], "v": [still, still], "a": [still, still]}
+    recorded = {"kind": "recorded", "stamps": [0, 250_000_001], **columns}
+    with pytest.raises(SpecError, match=r"reference.stamps: none at 250000000 ns; got \[0, 250000001\]"):
+        compose(load_experiment(str(flight), [f"reference={recorded}"]))
+
+
+def test_a_picture_is_written_where_it_is_told(flight: Path) -> None:
+    """A folder is no picture, and a name without a suffix stays as it is."""
+    pytest.importorskip("matplotlib")
+    from space_robot_bringup.report.figure import draw
+
+    bag = flight.with_name("bag")
+    run_experiment(load_experiment(str(flight)), bag, mode="headless")
+    before = set(flight.parent.iterdir())
+    with pytest.raises(LogError, match="cannot be written"):
+        draw(bag, flight.parent)
+    assert set(flight.parent.iterdir()) == before
+    draw(bag, flight.parent / "picture")
+    assert (flight.parent / "picture").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("name", ["x" * 5000, "a\0b"])
