@@ -17,7 +17,16 @@ from rclpy.experimental import EventsExecutor
 
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import ROLES, domain_number, drain, local_context, make_node, raise_bug, spin
+from space_robot_bringup.graph import (
+    ROLES,
+    domain_number,
+    drain,
+    local_context,
+    make_executor,
+    make_node,
+    raise_bug,
+    spin,
+)
 from space_robot_bringup.stopping import StopFlag
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
@@ -51,7 +60,7 @@ def main(arguments: list[str] | None = None) -> int:
                     mode="processes",
                     context=context,
                 )
-                executor = EventsExecutor(context=context)
+                executor = make_executor(context)
                 executor.add_node(node)
                 return _spin(
                     node, executor, stop, _printer(composition.experiment.period) if options.progress else None

@@ -14,6 +14,8 @@ from time import monotonic, sleep
 import numpy as np
 import pytest
 
+from space_robot_bringup.experiment import load_experiment, with_duration
+from space_robot_bringup.run import Hooks, run_experiment
 from space_robot_msgs_py.log_reader import LogReader
 
 pytest.importorskip("rclpy")
@@ -83,3 +85,17 @@ def test_a_signal_closes_the_log_and_says_so(tmp_path: Path, mode: str, number: 
     stamps = [tick.stamp for tick in log.ticks()]
     assert len(stamps) > 10
     assert stamps == [PERIOD * tick for tick in range(len(stamps))]
+
+
+def test_a_busy_graph_stops_at_the_tick_it_is_told_to(tmp_path: Path) -> None:
+    """A graph whose executor never idles still ends within a tick or two of the wish to stop."""
+    reached = 0
+
+    def on_tick(tick: int) -> None:
+        nonlocal reached
+        reached = tick
+
+    hooks = Hooks(on_tick=on_tick, stop=lambda: "interrupted" if reached >= 50 else None)
+    experiment = with_duration(load_experiment("liu2023/fig08"), 2500.0)
+    assert run_experiment(experiment, tmp_path / "run", mode="graph", hooks=hooks).end_reason == "interrupted"
+    assert reached <= 52
