@@ -22,11 +22,11 @@ $(VENV)/bin/uv:
 	$(BIN)/python -m pip install -q --disable-pip-version-check 'uv>=0.4'
 
 $(VENV)/.run: pyproject.toml setup.py | $(VENV)/bin/uv
-	$(BIN)/uv pip install -q --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,robots]'
+	$(BIN)/uv pip install -q --compile-bytecode --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,robots]'
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml setup.py | $(VENV)/bin/uv
-	$(BIN)/uv pip install -q --python $(BIN)/python -e '.[$(ROS_EXTRA)dev]'
+	$(BIN)/uv pip install -q --compile-bytecode --python $(BIN)/python -e '.[$(ROS_EXTRA)dev]'
 	@touch $(VENV)/.run $@
 
 demo: $(VENV)/.run

@@ -13,6 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 from time import monotonic
 
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.experimental import EventsExecutor
 
 from space_robot_bringup.compose import compose
@@ -34,6 +36,7 @@ from space_robot_sim.nodes.recorder import RecorderNode
 
 ACKNOWLEDGE_SECONDS = 5.0
 PROGRESS_SECONDS = 0.2
+POLL_SECONDS = 0.05
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -79,12 +82,16 @@ def _split_ros_arguments(arguments: list[str]) -> tuple[list[str], list[str]]:
 def _spin(
     node: GraphNode, executor: EventsExecutor, stop: StopFlag, progress: Callable[[GraphNode], None] | None
 ) -> int:
-    while node.end_reason is None:
-        spin(executor, node)
+    def poll() -> None:
         if stop.reason is not None:
             node.end(stop.reason)
         if progress is not None:
             progress(node)
+
+    # A timer, because the executor comes back from a spin only when it has nothing to do.
+    node.create_timer(POLL_SECONDS, poll, clock=Clock(clock_type=ClockType.STEADY_TIME))
+    while node.end_reason is None:
+        spin(executor, node)
     if isinstance(node, RecorderNode):
         drain(executor, node, node.end_reason)
     node.flush(ACKNOWLEDGE_SECONDS)
