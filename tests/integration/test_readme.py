@@ -25,7 +25,7 @@ def needs_ros(command: list[str]) -> bool:
 def test_every_command_of_the_readme_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """In the order in which they stand there, in an empty folder, each ends with 0."""
+    """In the order in which they stand there, in an empty folder, each does what it says."""
     shutil.copy(experiment_path("liu2023/fig08"), tmp_path / "my_experiment.yaml")
     monkeypatch.chdir(tmp_path)
     assert len(COMMANDS) > 5
@@ -36,9 +36,10 @@ def test_every_command_of_the_readme_runs(
         with pytest.raises(SystemExit) as end:
             main()
         said = capsys.readouterr()
-        # Another damping may settle at another time: that is a verdict, not a mistake.
-        assert end.value.code == 0 or "--set" in command, f"{shlex.join(command)}: {said.err}"
-        assert end.value.code != 2, f"{shlex.join(command)}: {said.err}"
+        # Another damping may settle at another time, and a busy machine may miss commands of a paced run: both are
+        # verdicts, not mistakes.
+        fine = {0, 1} if {"--set", "--realtime"} & set(command) else {0}
+        assert end.value.code in fine, f"{shlex.join(command)}: {said.err}"
 
 
 def test_every_link_of_the_pages_leads_somewhere() -> None:
