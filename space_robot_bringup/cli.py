@@ -61,13 +61,18 @@ def check(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     from space_robot_bringup.experiment import load_experiment
 
     spec = load_experiment(experiment, set_ or ())
-    nominal = compose(spec).nominal
+    composition = compose(spec)
+    nominal, review = composition.nominal, composition.review()
     out.print(
         f"{experiment}: fine. {nominal.name}, {nominal.n} joints, {spec.controller.law}, "
         f"{spec.steps} periods of {spec.control_period:g} s",
         markup=False,
         soft_wrap=True,
     )
+    for line in review.facts:
+        out.print(f"  {line}", markup=False, soft_wrap=True)
+    for warning in review.warnings:
+        _warn(warning)
 
 
 @app.command()
@@ -141,6 +146,10 @@ def schema() -> None:
     print(json.dumps(Experiment.model_json_schema(), indent=2))
 
 
+def _warn(warning: str) -> None:
+    err.print(f"warning: {warning}", style="yellow", markup=False, soft_wrap=True)
+
+
 def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
     from space_robot_bringup.progress import Progress
     from space_robot_bringup.run import Hooks, run_experiment
@@ -150,7 +159,7 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
     if must_compile() and not quiet:
         err.print("compiling the plant, once (about 20 s)")
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
-        hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason)
+        hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=_warn)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
 
 

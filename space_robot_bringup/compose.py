@@ -12,6 +12,7 @@ import numpy as np
 from space_robot_bringup.experiment import Experiment, Initial, ModelSpec, to_yaml
 from space_robot_bringup.metrics import metric_names
 from space_robot_bringup.verdict import check_expectations
+from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.registry import make_law
 from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
@@ -22,13 +23,15 @@ from space_robot_description.payload import attach_payload
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import Controller, Plant, ReferenceSource, Vector
+from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.log_header import LogHeader
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import fixed_steps, method
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
+# References that a law reviews before a flight.
+PATH_POINTS = 200
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -72,7 +75,7 @@ class Composition:
             hold=spec.hold,
         )
 
-    def controller(self) -> Controller:
+    def controller(self) -> Law:
         """A new controller; it gets the nominal robot and nothing else."""
         spec = self.experiment.controller
         return make_law(spec.law, self.nominal, self.experiment.control_period, spec.gains)
@@ -80,6 +83,14 @@ class Composition:
     def reference(self) -> ReferenceSource:
         """A new reference source."""
         return make_reference(self.experiment.reference, self.nominal, self._q0)
+
+    def review(self) -> Review:
+        """What the law says about this flight before it: see ``Law.review``."""
+        source, experiment = self.reference(), self.experiment
+        still = np.zeros(self._v0.size)
+        stride = max(1, experiment.steps // PATH_POINTS)
+        stamps = [tick * experiment.period for tick in range(0, experiment.steps + 1, stride)]
+        return self.controller().review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
 
 
 def compose(experiment: Experiment) -> Composition:

@@ -27,10 +27,12 @@ class Hooks:
     Attributes:
         on_tick: told each finished tick.
         stop: asked often; a reason ends the run.
+        warn: told before the flight what the law warns of.
     """
 
     on_tick: Callable[[int], None] = lambda tick: None
     stop: Callable[[], str | None] = lambda: None
+    warn: Callable[[str], None] = lambda warning: None
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +78,8 @@ def run_experiment(
     if mode == "headless" and realtime is not None:
         raise SpecError("has no wall clock", key="--realtime", value=realtime, accepted="--mode graph or processes")
     composition = compose(experiment)
+    for warning in composition.review().warnings:
+        hooks.warn(warning)
     stopwatch = Stopwatch(hooks)
     reason = _fly(composition, directory, mode, realtime, stopwatch.hooks)
     return judge_log(directory, composition, reason, stopwatch.seconds)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from math import isfinite
 from typing import ClassVar
 
@@ -25,6 +26,19 @@ from space_robot_msgs_py.interfaces import (
 
 Blocks = Mapping[str, npt.ArrayLike]
 UNIT_TOLERANCE = 1e-3  # a measured quaternion further from unit length is an error, not noise
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """What a law says about a flight before it.
+
+    Attributes:
+        facts: lines for ``space-robot check``.
+        warnings: what lies outside the law's own bounds; said before every run, which goes on all the same.
+    """
+
+    facts: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 class Law(ABC):
@@ -80,6 +94,15 @@ class Law(ABC):
         Returns:
             u = [force(3), torque(3), efforts(n)], base part in the body frame; and blocks of constant labels and sizes.
         """
+
+    def review(self, path: Sequence[Reference]) -> Review:
+        """Judge these gains at this period for this robot along a path, before flying; by default nothing is said.
+
+        Args:
+            path: where the robot starts, then references over the whole flight.
+        """
+        del path
+        return Review()
 
     def reset(self) -> None:
         """Forget the past; the next update is the first of a run. Overriding laws call this one too."""
