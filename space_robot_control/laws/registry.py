@@ -20,6 +20,7 @@ from space_robot_msgs_py.errors import SpecError
 GROUP = "space_robot.laws"
 PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
+    "adaptive": "space_robot_control.laws.adaptive:Adaptive",
     "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
     "none": "space_robot_control.laws.hold:ZeroCommand",
 }
