@@ -57,6 +57,13 @@ class ModelSpec(Strict):
     dispersion: Dispersion | None = Field(default=None, description="random deviation of its parameters, seeded")
 
 
+class Capture(Strict):
+    """A rigid body that the robot takes in flight, at the velocity of the hand: no impact, and no word to the law."""
+
+    time: PositiveFloat = Field(description="when it is held from [s], a multiple of the control period")
+    payload: Payload
+
+
 class PlantSpec(ModelSpec):
     """What the real robot does: the truth."""
 
@@ -64,6 +71,7 @@ class PlantSpec(ModelSpec):
         default=0, description="a command acts in the period of its state, or the next"
     )
     hold: Literal["last", "zero"] = Field(default="last", description="what acts when no usable command is there")
+    capture: Capture | None = Field(default=None, description="a payload taken in flight")
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     sensors: SensorSpec = Field(default_factory=SensorSpec)
 
