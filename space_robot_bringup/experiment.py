@@ -23,6 +23,8 @@ from space_robot_description.validation import nearest, parse_yaml, parse_yaml_v
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_sim.spec import IntegratorSpec, SensorSpec
 
+LAW_KEY = "controller.law"
+
 
 class Initial(Strict):
     """Where and how the robot starts; what is not said is zero, joints start at the robot's home."""
@@ -137,7 +139,8 @@ def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experim
     """
     path = experiment_path(name_or_path)
     data = parse_yaml(path)
-    for override in overrides:
+    # The law first: gains given beside it are meant for it, those of the file's own law are not.
+    for override in sorted(overrides, key=lambda text: not text.startswith(f"{LAW_KEY}=")):
         apply_override(data, override)
     robot = data.get("robot")
     if isinstance(robot, str) and is_file(path.parent / robot):
@@ -172,8 +175,10 @@ def experiment_path(name_or_path: str) -> Path:
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:
-    """Set one ``dotted.key=value`` in a mapping, making the mappings on the way."""
+    """Set one ``dotted.key=value`` in a mapping, making the mappings on the way; another law drops the law's gains."""
     key, equals, text = override.partition("=")
+    if key == LAW_KEY and isinstance(data.get("controller"), dict) and data["controller"].get("law") != text:
+        data["controller"].pop("gains", None)
     if not equals or not key.strip():
         raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
     *parents, last = key.strip().split(".")

@@ -72,12 +72,12 @@ class AdaptiveGains(Strict):
     gyroscopic: bool = Field(
         default=True, description="command and learn with the torque that turning the wheels' momentum takes"
     )
-    rls: Rls = Field(default_factory=Rls)
-    tracking: Tracking = Field(default_factory=Tracking)
+    rls: Rls = Field(default_factory=Rls, description="of update rls and composite")
+    tracking: Tracking = Field(default_factory=Tracking, description="of update lyapunov and composite")
     consistency: Literal["none", "project", "natural"] = Field(
         default="none",
-        description="bodies that can exist: not enforced, nearest ones after each update, or steps of update lyapunov "
-        "along the natural gradient",
+        description="bodies that can exist: not enforced, the nearest ones after each update, or steps of update "
+        "lyapunov along the natural gradient",
     )
     pitch_limit_deg: float = Field(default=80.0, gt=0.0, lt=90.0, description="Euler angles are refused beyond [deg]")
 

@@ -76,12 +76,12 @@ class RecursiveLeastSquares:
         lift = self._root @ spread.T @ v
         self._root = self._root - (lift / (s + np.sqrt(s))) @ (v.T @ spread)
         self.surprise = float(turned @ (turned / s)) / values.size
-        self._watch()
+        self._watch(float(s[-1]))
         return estimate + lift @ (turned / s), innovation
 
-    def _watch(self) -> None:
+    def _watch(self, largest_variance: float) -> None:
         trace = self.covariance_trace
-        if not isfinite(trace) or trace > self._largest:
+        if not isfinite(largest_variance + trace) or trace > self._largest:
             accepted = f"finite, below {self._largest:.3g}"
             raise ControlError("the covariance has blown up", key="covariance_trace", value=trace, accepted=accepted)
         self._improbable = self._improbable + 1 if self.surprise > self._threshold else 0

@@ -17,7 +17,7 @@ from space_robot_control.laws.regressor import PER_BODY, Regressor
 from space_robot_control.laws.wheels import gyroscopic
 from space_robot_control.rotations import from_rpy, rotate
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import ControlError, SpecError
+from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import RobotState, Vector
 
 
@@ -41,7 +41,7 @@ class Held:
 
 
 class ParameterUpdate:
-    """pi_hat of one run, starting at the nominal parameters.
+    """pi_hat of one run, starting at the nominal parameters, or with ``consistency`` at the nearest that can exist.
 
     RLS takes one row per actuated degree of freedom and period: state at the middle of the period, x'' from differenced
     rates, effort as measured, base torque as commanded. A period whose base command is beyond the nominal actuators is
@@ -55,9 +55,6 @@ class ParameterUpdate:
 
     Attributes:
         estimate: (10 (1+n),) pi_hat.
-
-    Raises:
-        SpecError: natural adaptation is to start from bodies that cannot exist.
 
     Reference: Liu, Teng, Jin (2023), (39)-(45).
     """
@@ -81,14 +78,9 @@ class ParameterUpdate:
         self._step = control_period * gains.tracking.gain
         self._scale = (size + gains.tracking.floor) ** 2
         self._held: Held | None = None
+        if gains.consistency != "none":
+            self.estimate = project(self.estimate)
         self.consistent = is_consistent(self.estimate)
-        if gains.consistency == "natural" and not self.consistent:
-            raise SpecError(
-                "natural adaptation starts from bodies that can exist, and the nominal ones cannot",
-                key="controller.gains.consistency",
-                value="natural",
-                accepted="none or project, or nominal.dispersion.inconsistent: reject",
-            )
 
     @property
     def mass(self) -> float:

@@ -67,7 +67,7 @@ def make_law(
         SpecError: the law, a gain or the period cannot be used.
     """
     cls = law_class(name, f"{key}.law")
-    return cls(robot, control_period, validate(cls.Gains, dict(gains or {}), f"{key}.gains"))
+    return cls(robot, control_period, validate(cls.Gains, dict(gains or {}), f"{key}.gains."))
 
 
 def _installed() -> dict[str, EntryPoint]:
