@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.reproduce.plan import manifest_path, read_manifest
 from space_robot_description.load import load_robot
 from space_robot_description.share import shipped
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -12,6 +13,7 @@ def catalogue() -> dict[str, dict[str, str]]:
     """Kind to name to one line."""
     return {
         "experiments": {name: _experiment(name) for name in shipped("experiments")},
+        "papers": {name: _paper(name) for name in shipped("papers")},
         "robots": {name: _robot(name) for name in shipped("robots")},
     }
 
@@ -19,6 +21,11 @@ def catalogue() -> dict[str, dict[str, str]]:
 def _experiment(name: str) -> str:
     spec = load_experiment(name)
     return f"{spec.title} ({spec.source})" if spec.source else spec.title
+
+
+def _paper(name: str) -> str:
+    manifest = read_manifest(manifest_path(name), name)
+    return f"{manifest.title} ({manifest.citation})"
 
 
 def _robot(name: str) -> str:

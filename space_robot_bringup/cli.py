@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 FAILED, BAD_INPUT = 1, 2
 MODES = ("headless", "graph", "processes")
+COMPILING = "compiling the plant, once (about 20 s)"
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -45,7 +46,7 @@ JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object 
 
 @app.command("list")
 def list_shipped() -> None:
-    """List the shipped experiments and robots."""
+    """List the shipped experiments, papers and robots."""
     from space_robot_bringup.catalogue import catalogue
 
     for kind, rows in catalogue().items():
@@ -124,6 +125,26 @@ def run(
 
 
 @app.command()
+def reproduce(
+    paper: Annotated[str, typer.Argument(help="shipped name such as liu2023, or manifest file")],
+    figure: Annotated[
+        list[str] | None, typer.Option("--figure", metavar="N", help="only this figure; may be given more than once")
+    ] = None,
+    directory: Annotated[Path | None, typer.Option("--out", help="report directory; default out/<paper>")] = None,
+    workers: Annotated[int | None, typer.Option(help="processes; default: one per core")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Fly the figures of a paper, draw them and judge its claims one by one."""
+    from space_robot_bringup.reproduce.command import run_command
+    from space_robot_sim.kernel.cache import must_compile
+
+    if must_compile() and not as_json:
+        err.print(COMPILING)
+    if not run_command(paper, figure or (), directory, workers, as_json=as_json, console=out, err=err):
+        raise typer.Exit(FAILED)
+
+
+@app.command()
 def plot(
     log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
     picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
@@ -157,7 +178,7 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
     from space_robot_sim.kernel.cache import must_compile
 
     if must_compile() and not quiet:
-        err.print("compiling the plant, once (about 20 s)")
+        err.print(COMPILING)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=_warn)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)

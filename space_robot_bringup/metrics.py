@@ -120,7 +120,7 @@ def measure(ticks: Iterable[Tick], joint_names: Sequence[str], *, base_translati
     truth = np.array([tick.sample.telemetry["true_configuration"] for tick in rows])
     desired = np.array([tick.reference.q for tick in rows])
     moving = np.array([np.abs(tick.reference.v).max() > STILL for tick in rows])
-    errors, from_goal = _deviations(truth, desired), _deviations(truth, np.repeat(desired[-1:], len(rows), axis=0))
+    errors, from_goal = deviations(truth, desired), deviations(truth, np.repeat(desired[-1:], len(rows), axis=0))
     names = axis_names(joint_names, base_translation=True)
     units = ["m"] * 3 + ["deg"] * (3 + len(joint_names))
     scale = np.array([1.0] * 3 + [np.degrees(1.0)] * (3 + len(joint_names)))
@@ -131,8 +131,16 @@ def measure(ticks: Iterable[Tick], joint_names: Sequence[str], *, base_translati
     return _with_totals(rows, time, axes)
 
 
-def _deviations(q: Matrix, goal: Matrix) -> Matrix:
-    """(K, 6+n): position error, rotation vector from goal to q in the goal's body frame, joint error."""
+def deviations(q: Matrix, goal: Matrix) -> Matrix:
+    """How far configurations are from goals.
+
+    Args:
+        q: (K, 7+n) configurations.
+        goal: (K, 7+n) where they should be.
+
+    Returns:
+        (K, 6+n) position error [m], rotation vector from goal to q in the goal's body frame [rad], joint error [rad].
+    """
     rotation = np.array([log(product(conjugate(g), a)) for g, a in zip(goal[:, 3:7], q[:, 3:7], strict=True)])
     return np.hstack([q[:, :3] - goal[:, :3], rotation, q[:, 7:] - goal[:, 7:]])
 

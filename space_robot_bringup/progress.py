@@ -12,16 +12,17 @@ PLAIN_LINES = 4
 
 
 class Progress:
-    """Shows the tick a run has reached.
+    """Shows the tick a run has reached, or how many runs are done.
 
     Args:
         console: where to; its own terminal detection decides between bar and lines.
         steps: the last tick.
         quiet: show nothing.
+        what: is counted.
     """
 
-    def __init__(self, console: Console, steps: int, *, quiet: bool) -> None:
-        self._console, self._steps, self._quiet = console, steps, quiet
+    def __init__(self, console: Console, steps: int, *, quiet: bool, what: str = "tick") -> None:
+        self._console, self._steps, self._quiet, self._what = console, steps, quiet, what
         self._shown_quarter = 0
         self._bar: RichProgress | None = None
         if console.is_terminal and not quiet:
@@ -37,7 +38,7 @@ class Progress:
             quarter = PLAIN_LINES * tick // self._steps
             if quarter > self._shown_quarter:
                 self._shown_quarter = quarter
-                self._console.print(f"tick {tick} of {self._steps}")
+                self._console.print(f"{self._what} {tick} of {self._steps}")
 
     def __enter__(self) -> Progress:
         if self._bar is not None:
