@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from space_robot_bringup.campaign.spec import load_campaign
 from space_robot_bringup.experiment import load_experiment
 from space_robot_description.load import load_robot
 from space_robot_description.share import shipped
@@ -12,6 +13,7 @@ def catalogue() -> dict[str, dict[str, str]]:
     """Kind to name to one line."""
     return {
         "experiments": {name: _experiment(name) for name in shipped("experiments")},
+        "campaigns": {name: _campaign(name) for name in shipped("campaigns")},
         "robots": {name: _robot(name) for name in shipped("robots")},
     }
 
@@ -19,6 +21,11 @@ def catalogue() -> dict[str, dict[str, str]]:
 def _experiment(name: str) -> str:
     spec = load_experiment(name)
     return f"{spec.title} ({spec.source})" if spec.source else spec.title
+
+
+def _campaign(name: str) -> str:
+    spec = load_campaign(name)
+    return f"{spec.runs} runs: {spec.title}"
 
 
 def _robot(name: str) -> str:

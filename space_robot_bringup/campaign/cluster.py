@@ -14,13 +14,14 @@ from distributed.comm.core import CommClosedError
 from space_robot_bringup.campaign.worker import PINNED, warm
 from space_robot_bringup.compose import versions
 from space_robot_msgs_py.errors import SpecError
+from space_robot_sim.kernel.cache import must_compile
 
 PRELOAD = "space_robot_bringup.campaign.worker"
 CONNECT_SECONDS = 5
 GATHER_SECONDS = 15
 LOGGERS = ("distributed", "tornado", "asyncio")
 # Nobody but this machine can reach a local cluster, and there is nothing to see at its web server.
-CONFIG = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
+CONFIG: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
 
 
 @contextmanager
@@ -36,6 +37,9 @@ def workers_at(address: str | None, workers: int, first: Mapping[str, Any]) -> I
         SpecError: nobody answers at the address, or its workers could not give the same bits.
     """
     _quiet()
+    if address is None and must_compile():
+        # Once and here, not by every worker at the same time.
+        warm(first)
     with _local(workers) if address is None else _remote(address) as client:
         _prepare(client, first)
         yield client

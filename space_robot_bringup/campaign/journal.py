@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -155,21 +155,35 @@ def _lock(handle: int, directory: Path) -> None:
         raise SpecError("is being flown by another process", key="--out", value=str(directory)) from None
 
 
+def finished_row(directory: Path, index: int) -> Row | None:
+    """What came of a case so far."""
+    path = directory / ROWS
+    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    return _rows(_whole_lines(text)).get(index)
+
+
 def _read(stream: IO[str], directory: Path, versions: Mapping[str, str]) -> dict[int, Row]:
     """The rows so far; what a kill left of a line is cut off."""
     stream.seek(0)
-    lines = stream.read().splitlines(keepends=True)
-    if lines and not lines[-1].endswith("\n"):
-        lines.pop()
+    text = stream.read()
+    lines = _whole_lines(text)
+    if sum(map(len, lines)) < len(text):
         with guarded(directory):
-            stream.truncate(sum(len(line.encode()) for line in lines))
+            stream.truncate(len("".join(lines).encode()))
             stream.seek(0, os.SEEK_END)
-    if not lines:
-        return {}
-    begun = json.loads(lines[0])["versions"]
+    begun = json.loads(lines[0])["versions"] if lines else versions
     different = [f"{name} {begun.get(name)}" for name in versions if begun.get(name) != versions[name]]
     if different:
         what = f"was begun with {', '.join(different)}, so its rows would not be comparable"
         raise SpecError(what, key="--resume", value=str(directory), accepted="these versions, or a new directory")
+    return {index: row for index, row in _rows(lines).items() if not row.lost}
+
+
+def _whole_lines(text: str) -> list[str]:
+    return [line for line in text.splitlines(keepends=True) if line.endswith("\n")]
+
+
+def _rows(lines: Sequence[str]) -> dict[int, Row]:
+    """The last word on each case; the first line tells the versions."""
     rows = [Row(**json.loads(line)) for line in lines[1:]]
-    return {row.index: row for row in rows if not row.lost}
+    return {row.index: row for row in rows}

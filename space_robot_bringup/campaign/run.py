@@ -32,13 +32,13 @@ class CampaignHooks:
     """How a campaign talks to whoever started it.
 
     Attributes:
-        on_ready: told when workers are ready: rows that are there already, cases in all.
-        on_row: told each further row.
+        on_ready: told when the workers are ready how many rows are there already.
+        on_row: told each time how many there are now.
         stop: asked often; a reason ends the campaign.
     """
 
-    on_ready: Callable[[int, int], None] = lambda done, total: None
-    on_row: Callable[[Row], None] = lambda row: None
+    on_ready: Callable[[int], None] = lambda done: None
+    on_row: Callable[[int], None] = lambda done: None
     stop: Callable[[], str | None] = lambda: None
 
 
@@ -105,13 +105,14 @@ def run_campaign(
         journal.open_journal(directory, campaign, versions()) as book,
     ):
         everything = total(campaign)
-        hooks.on_ready(len(book.rows), everything)
+        hooks.on_ready(len(book.rows))
         began = perf_counter()
         left = (make_case(campaign, index) for index in range(everything) if index not in book.rows)
         reason = None
         try:
             for case, outcome in fly_cases(client, left, keep, hooks.stop):
-                hooks.on_row(_enter(book, case, outcome))
+                _enter(book, case, outcome)
+                hooks.on_row(len(book.rows))
         except SilenceError as error:
             reason = str(error)
         wall_time = perf_counter() - began
@@ -121,7 +122,7 @@ def run_campaign(
     return CampaignResult(directory, reason, done, everything, groups, _judge(campaign, groups), wall_time)
 
 
-def _enter(book: Journal, case: Case, outcome: Flown | str) -> Row:
+def _enter(book: Journal, case: Case, outcome: Flown | str) -> None:
     if isinstance(outcome, str):
         columns = {"end_reason": outcome, "completed": False, "passed": False, "failed": "completed", "ticks": 0}
         row, bag = Row(case.index, case.columns() | columns, lost=True), {}
@@ -129,7 +130,6 @@ def _enter(book: Journal, case: Case, outcome: Flown | str) -> Row:
         columns = case.columns() | dict(outcome.columns)
         row, bag = Row(case.index, columns, outcome.wall_time, trace=outcome.trace), dict(outcome.bag)
     book.append(row, bag)
-    return row
 
 
 def _metrics(composition: Composition) -> list[str]:

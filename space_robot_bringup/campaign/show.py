@@ -61,12 +61,12 @@ def _spreads(group: Group) -> Table:
     title = escape(describe(group.labels)) or None
     table = Table(box=SIMPLE_HEAD, title=title, title_justify="left")
     table.add_column("metric", no_wrap=True)
-    for heading in ("n", "missing", "mean", "95 % of mean", "median", "p05", "p95", "max", "worst case"):
-        table.add_column(heading, justify="right")
+    for heading in ("n", "missing", "mean, 95 % interval", "p05", "median", "p95", "max", "worst case"):
+        table.add_column(heading.replace(", ", ",\n").replace(" case", "\ncase"), justify="right")
     for name, s in group.spreads.items():
-        mean = f"{_short(s.mean_low)} to {_short(s.mean_high)}"
-        numbers = (_short(value) for value in (s.median, s.p05, s.p95, s.max))
-        table.add_row(escape(name), str(s.n), str(s.missing), _short(s.mean), mean, *numbers, str(s.worst))
+        mean = f"{_short(s.mean)} \\[{_short(s.mean_low)}, {_short(s.mean_high)}]"
+        numbers = (_short(value) for value in (s.p05, s.median, s.p95, s.max))
+        table.add_row(escape(name), str(s.n), str(s.missing), mean, *numbers, str(s.worst))
     return table
 
 
@@ -90,4 +90,4 @@ def _rate(rate: Rate) -> str:
 
 
 def _short(value: float) -> str:
-    return f"{value:.4g}"
+    return f"{value:.3g}" if value == 0.0 or abs(value) >= 1e-3 else f"{value:.0e}"

@@ -17,7 +17,7 @@ from space_robot_description.load import load_robot
 from space_robot_description.share import config_dir, is_file, shipped
 from space_robot_description.spec import Strict
 from space_robot_description.validation import nearest, parse_yaml, validate
-from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_msgs_py.errors import InputFileError
 
 # Keys whose value may point at a file beside the campaign file.
 POINTING = ("robot", "reference")
@@ -150,9 +150,3 @@ def _with_files(campaign: Campaign, folder: Path) -> Campaign:
 
 def _label(value: Any) -> Any:
     return value if isinstance(value, str | int | float | None) else json.dumps(value, sort_keys=True, default=str)
-
-
-def refuse_runs(runs: int | None) -> None:
-    """Refuse a number of runs no campaign can have."""
-    if runs is not None and runs < 1:
-        raise SpecError("not a number of runs", key="--runs", value=runs, accepted="1 or more")
