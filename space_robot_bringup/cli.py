@@ -9,7 +9,7 @@ import json
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Never
+from typing import TYPE_CHECKING, Annotated, Any, Never, cast
 
 import typer
 from rich.console import Console
@@ -17,6 +17,7 @@ from rich.console import Console
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 if TYPE_CHECKING:
+    from space_robot_bringup.campaign.fly import Keep
     from space_robot_bringup.experiment import Experiment
     from space_robot_bringup.run import RunResult
 
@@ -167,7 +168,14 @@ def campaign(
     spec = load_campaign(file, runs)
     place = directory or Path("runs") / campaign_path(file).stem
     result = command.fly(
-        spec, place, workers=workers, scheduler=scheduler, resume=resume, keep=keep, console=err, quiet=as_json
+        spec,
+        place,
+        workers=workers,
+        scheduler=scheduler,
+        resume=resume,
+        keep=cast("Keep", keep),
+        console=err,
+        quiet=as_json,
     )
     if as_json:
         print(json.dumps(show.as_dict(spec.title, result), allow_nan=False))
