@@ -192,7 +192,9 @@ def set_key(data: dict[str, Any], key: str, value: Any, where: str) -> None:
     """
     place: Any = data
     while key:
-        name, _, key = (key, "", "") if isinstance(place, dict) and key in place else key.partition(".")
+        there = [name for name in place if f"{key}.".startswith(f"{name}.")] if isinstance(place, dict) else []
+        name = max(there, key=len, default=key.partition(".")[0])
+        key = key[len(name) + 1 :]
         slot = _slot(place, name, where)
         if not key:
             place[slot] = value

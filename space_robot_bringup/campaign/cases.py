@@ -52,7 +52,7 @@ class Case:
         """What a table says about the case: index, run, seed, then what is varied and what was drawn."""
         columns: dict[str, Any] = {"index": self.index, "run": self.run, "seed": self.seed}
         for key, value in [*self.labels.items(), *self.drawn.items()]:
-            columns |= _flat(key, value)
+            columns |= {} if key == "seed" else _flat(key, value)
         return columns
 
 

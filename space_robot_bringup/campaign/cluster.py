@@ -19,9 +19,14 @@ from space_robot_sim.kernel.cache import must_compile
 PRELOAD = "space_robot_bringup.campaign.worker"
 CONNECT_SECONDS = 5
 GATHER_SECONDS = 15
-LOGGERS = ("distributed", "tornado", "asyncio")
-# Nobody but this machine can reach a local cluster, and there is nothing to see at its web server.
-CONFIG: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
+LOGGERS = ("distributed", "distributed.client", "distributed.nanny", "tornado", "tornado.application", "asyncio")
+CONFIG: dict[str, Any] = {
+    # There is nothing to see at its web servers.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+    # One case at a time and worker: when one dies, only the case it was flying is suspected of having killed it.
+    "distributed.scheduler.worker-saturation": 1.0,
+}
 
 
 @contextmanager

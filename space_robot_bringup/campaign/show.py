@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from space_robot_bringup.campaign.journal import bag_path
+from space_robot_bringup.campaign.journal import CAMPAIGN, bag_path
 from space_robot_bringup.campaign.run import TABLE, CampaignResult, describe
 from space_robot_bringup.campaign.summary import Group, Rate
 
@@ -54,7 +54,8 @@ def campaign(console: Console, title: str, result: CampaignResult) -> None:
     if result.groups:
         console.print(f"table: {result.directory / TABLE}", markup=False, soft_wrap=True)
     else:
-        console.print(f"rows are kept; go on: the same command with --resume --out {result.directory}", markup=False)
+        again = f"space-robot campaign {result.directory / CAMPAIGN} --out {result.directory} --resume"
+        console.print(f"finished rows are kept; go on: {again}", markup=False, soft_wrap=True)
 
 
 def _spreads(group: Group) -> Table:
