@@ -18,7 +18,7 @@ from space_robot_bringup.experiment import dump_yaml
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import InputFileError, SpecError
 
-CAMPAIGN, ROWS, RUNS = "campaign.yaml", "rows.jsonl", "runs"
+CAMPAIGN, ROWS, RUNS = "resolved.yaml", "rows.jsonl", "runs"
 
 
 @dataclass(frozen=True, slots=True)

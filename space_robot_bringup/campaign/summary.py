@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -50,7 +51,7 @@ class Spread:
     Attributes:
         n: runs that have the number.
         missing: completed runs that have none (an axis that never settled).
-        mean: with its bootstrap interval (percentile, 95 %) ``mean_low`` to ``mean_high``; of one run that is a point.
+        mean: with its 95 % bootstrap interval (BCa) ``mean_low`` to ``mean_high``; a point where nothing spreads.
         median: with the 5 % and 95 % quantiles ``p05`` and ``p95``.
         min: smallest.
         max: largest.
@@ -72,13 +73,7 @@ class Spread:
     @classmethod
     def of(cls, values: Vector, indices: Sequence[int], missing: int, seed: int) -> Spread:
         """The spread of at least one value; the resampling is seeded."""
-        low = high = float(np.mean(values))
-        if values.size > 1:
-            rng = np.random.default_rng(seed)
-            found = stats.bootstrap(
-                (values,), np.mean, n_resamples=RESAMPLES, confidence_level=CONFIDENCE, method="percentile", rng=rng
-            ).confidence_interval
-            low, high = float(found.low), float(found.high)
+        low, high = _interval_of_mean(values, seed)
         p05, median, p95 = (float(quantile) for quantile in np.quantile(values, [0.05, 0.5, 0.95]))
         worst = indices[int(np.argmax(values))]
         ends = float(values.min()), float(values.max())
@@ -149,3 +144,23 @@ def summarise(rows: Sequence[Mapping[str, Any]], labels: Mapping[str, Any], metr
         failed=tuple(row["index"] for row in rows if not row["passed"]),
         spreads=spreads,
     )
+
+
+def _interval_of_mean(values: Vector, seed: int) -> tuple[float, float]:
+    mean = float(np.mean(values))
+    if np.ptp(values) == 0.0:
+        return mean, mean
+    # BCa covers skewed numbers better; of a few nearly equal ones it may have none.
+    for method in ("BCa", "percentile"):
+        with warnings.catch_warnings(action="ignore"):
+            found = stats.bootstrap(
+                (values,),
+                np.mean,
+                n_resamples=RESAMPLES,
+                confidence_level=CONFIDENCE,
+                method=method,
+                rng=np.random.default_rng(seed),
+            ).confidence_interval
+        if np.isfinite([found.low, found.high]).all():
+            break
+    return float(found.low), float(found.high)
