@@ -44,14 +44,12 @@ class Composition:
         nominal: the robot the flight software believes in.
         truth: the robot that flies, as it starts.
         changes: (stamp [ns], robot that flies from then on), in order.
-        header: provenance for the log.
     """
 
     experiment: Experiment
     nominal: Robot
     truth: Robot
     changes: tuple[tuple[int, Robot], ...]
-    header: LogHeader
     _seeds: tuple[np.random.SeedSequence, ...]
     _q0: Vector
     _v0: Vector
@@ -60,6 +58,13 @@ class Composition:
     def joint_names(self) -> tuple[str, ...]:
         """Joint names in model order."""
         return self.nominal.joint_names
+
+    @property
+    def header(self) -> LogHeader:
+        """Provenance for a log; made when asked for, which a run that is not logged never does."""
+        robot = self.nominal
+        resolved = self.experiment.model_copy(update={"robot": dict(robot.resolved)})
+        return LogHeader(to_yaml(resolved), robot.urdf, self.experiment.seed, robot.joint_names, versions())
 
     def plant(self) -> Plant:
         """A new plant in its initial state."""
@@ -116,11 +121,9 @@ def compose(experiment: Experiment) -> Composition:
     robot = load_robot(experiment.robot)
     nominal = _variant(robot, experiment.nominal, seeds[0], "nominal")
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
-    resolved = experiment.model_copy(update={"robot": dict(robot.resolved)})
-    header = LogHeader(to_yaml(resolved), robot.urdf, experiment.seed, robot.joint_names, versions())
     q0, v0 = _initial(experiment.initial, robot)
     _check_plant(experiment, truth)
-    composition = Composition(experiment, nominal, truth, _changes(experiment, truth), header, seeds, q0, v0)
+    composition = Composition(experiment, nominal, truth, _changes(experiment, truth), seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
     composition.reference()

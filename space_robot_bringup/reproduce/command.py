@@ -65,7 +65,7 @@ def run_command(
     flights = len(plan.flights(figures))
     flown: list[FlownFigure] | None
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
-        with Progress(err, flights, quiet=as_json, what="run") as progress:
+        with Progress(err, flights, quiet=as_json, unit="run") as progress:
             count = workers or cores()
             flown = reproduce(plan, figures, directory, workers=count, on_done=progress.reach, stop=lambda: stop.reason)
         if flown is None:
