@@ -22,6 +22,8 @@ PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
     "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
     "none": "space_robot_control.laws.hold:ZeroCommand",
+    "ntsmc": "space_robot_control.laws.ntsmc:Ntsmc",
+    "ntsmc_euler": "space_robot_control.laws.ntsmc_euler:NtsmcEuler",
 }
 
 

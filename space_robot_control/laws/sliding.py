@@ -1,0 +1,176 @@
+"""Terminal sliding mode for decoupled degrees of freedom: the sliding variable, what drives it, the adapted gain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import copysign, exp
+
+from space_robot_control.laws.ntsmc_gains import SlidingGains
+
+Floats = Sequence[float]
+
+
+@dataclass(frozen=True, slots=True)
+class SlidingTerms:
+    """What one update makes of the errors; every sequence (m,), one entry per controlled DoF.
+
+    Attributes:
+        s: sliding variable, (10), (14), (25) [m, rad].
+        delta: s outside the boundary layer, (26) [m, rad].
+        xi: of (28c).
+        equivalent: a2 of (28b), keeps s constant [m/s2, rad/s2].
+        reaching: a3 of (28c), drives s to zero [m/s2, rad/s2].
+        loop_gain: see ``loop_gain`` [-].
+    """
+
+    s: Floats
+    delta: Floats
+    xi: Floats
+    equivalent: Floats
+    reaching: Floats
+    loop_gain: Floats
+
+
+class SlidingMode:
+    """a2 + a3 of (28) for m double integrators e'' = a, and the estimate K_hat of (29).
+
+    With r = q/p, g = Gamma, and |.|, powers and products per DoF:
+
+        s  = sign(e') |e'|^r / g + e                          (10), (14)
+        Ds = s - Phi sat(s/Phi)                               (26)
+        xi = |e'|^(r-1) / g Ds
+        a2 = -(g/r) |e'|^(r-1) / max(|e'|^(2r-2), Phi) e_dot  (28b), rotation
+        a2 = -(g/r) sign(e') |e'|^(2-r)                       (28b), the other DoFs, where e_dot = e'
+        a3 = -[K_hat sat(s/Phi) (1 + |x'|^2) + k1 xi / max(|xi|^2, Phi) ||Ds||^(2 p1/q1) + K2 sign(Ds) |Ds|^(p2/q2)]
+        K_hat' = phi |xi| (1 + |x'|^2)                        (29), forward Euler
+
+    With ``clamp`` a held command may neither push s through zero nor e' past where a2 alone would bring it:
+
+        |a3| <= |s| / (T (r/g) (|e'| + T |a3|)^(r-1)), on the right the a3 that is bounded
+        a2 = (sign(e') max(0, |e'|^(r-1) - (g/r)(r-1) T)^(1/(r-1)) - e') / T   (not rotation),
+
+    the latter being the mean over T of the former a2 along its own solution. Both vanish as T -> 0.
+
+    On Python floats: at fourteen numbers three times faster than on arrays.
+
+    Args:
+        gains: of the law.
+        gamma: (m,) Gamma.
+        k2: (m,) K_2 [1/s2].
+        rotation: which of the m are the rotation of the base.
+        control_period: T [s].
+
+    Reference: [Giordano and Cenedese 2023, sec. IV].
+    """
+
+    def __init__(
+        self, gains: SlidingGains, gamma: Floats, k2: Floats, rotation: Sequence[int], control_period: float
+    ) -> None:
+        exponents, adaptation = gains.exponents, gains.adaptation
+        self._gamma, self._k1, self._k2 = tuple(gamma), gains.k1, tuple(k2)
+        self._layer, self._period, self._clamp = gains.boundary_layer, control_period, gains.clamp
+        self._r, self._reach = exponents.rate, exponents.reach
+        self._half_norm_power = exponents.p1 / exponents.q1
+        self._turning = [index in rotation for index in range(len(self._gamma))]
+        self._adaptation, self._keep = adaptation, exp(-adaptation.leak * control_period)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was adapted."""
+        self._estimate = [self._adaptation.initial] * len(self._gamma)
+
+    @property
+    def estimate(self) -> Floats:
+        """(m,) K_hat [m/s2, rad/s2]."""
+        return self._estimate
+
+    def terms(self, e: Floats, rate: Floats, e_dot: Floats, speed_squared: float) -> SlidingTerms:
+        """Return what (28) makes of the errors, with the present K_hat.
+
+        Args:
+            e: (m,) error, actual minus desired [m, rad].
+            rate: (m,) its rate, e' [m/s, rad/s]; for rotation the angular velocity error.
+            e_dot: (m,) the derivative of e; differs from ``rate`` for rotation only.
+            speed_squared: |x'|^2.
+        """
+        layer, power = self._layer, self._r - 1.0
+        roots = [abs(value) ** power for value in rate]
+        s = [root * v / g + x for root, v, g, x in zip(roots, rate, self._gamma, e, strict=True)]
+        delta = [x - layer * _sat(x / layer) for x in s]
+        xi = [root / g * d for root, g, d in zip(roots, self._gamma, delta, strict=True)]
+        norm_squared, xi_squared = sum(d * d for d in delta), sum(x * x for x in xi)
+        along = self._k1 * norm_squared**self._half_norm_power / max(xi_squared, layer)
+        grown = [k * (1.0 + speed_squared) for k in self._estimate]
+        reaching = [
+            -(k * _sat(x / layer) + along * z + k2 * copysign(abs(d) ** self._reach, d))
+            for k, x, z, k2, d in zip(grown, s, xi, self._k2, delta, strict=True)
+        ]
+        if self._clamp:
+            reaching = [self._clamped(*each) for each in zip(reaching, s, rate, self._gamma, strict=True)]
+        equivalent = [
+            self._equivalent(*each) for each in zip(rate, roots, e_dot, self._gamma, self._turning, strict=True)
+        ]
+        gains = [self._loop_gain(*each) for each in zip(roots, grown, self._gamma, self._k2, delta, strict=True)]
+        return SlidingTerms(s, delta, xi, equivalent, reaching, gains)
+
+    def adapt(self, xi: Floats, speed_squared: float, *, saturated: bool) -> None:
+        """Move K_hat on by one period, (29)."""
+        if saturated and self._adaptation.freeze_on_saturation:
+            return
+        growth, cap = self._period * self._adaptation.rate * (1.0 + speed_squared), self._adaptation.cap
+        self._estimate = [(k + growth * abs(x)) * self._keep for k, x in zip(self._estimate, xi, strict=True)]
+        if cap is not None:
+            self._estimate = [min(k, cap) for k in self._estimate]
+
+    def gains_at(self, e: Floats, slowest: float) -> list[float]:
+        """Return the loop gain (m,) at the edge of the boundary layer with the initial K_hat.
+
+        Args:
+            e: (m,) errors [m, rad]; each shrinks at |e'| = (g |e|)^(1/r) while s = 0, (11).
+            slowest: least rate to assume [m/s, rad/s].
+        """
+        rates = [max((g * abs(x)) ** (1.0 / self._r), slowest) for g, x in zip(self._gamma, e, strict=True)]
+        return [
+            self._loop_gain(rate ** (self._r - 1.0), self._adaptation.initial, g, k2, 0.0)
+            for rate, g, k2 in zip(rates, self._gamma, self._k2, strict=True)
+        ]
+
+    def _loop_gain(self, root: float, estimate: float, gamma: float, k2: float, delta: float) -> float:
+        # The power has no finite slope at 0; the layer's width is the least distance that means anything.
+        power = k2 * self._reach * max(abs(delta), self._layer) ** (self._reach - 1.0)
+        return loop_gain(self._period, self._r, gamma, root, estimate / self._layer + power)
+
+    def _equivalent(self, rate: float, root: float, e_dot: float, gamma: float, turning: bool) -> float:
+        if turning:
+            return -gamma / self._r * root / max(root * root, self._layer) * e_dot
+        if not self._clamp:
+            return -gamma / self._r * (rate / root) if root > 0.0 else 0.0
+        left = max(root - gamma * (1.0 - 1.0 / self._r) * self._period, 0.0)
+        return (copysign(left ** (1.0 / (self._r - 1.0)), rate) - rate) / self._period
+
+    def _clamped(self, reaching: float, s: float, rate: float, gamma: float) -> float:
+        push = abs(reaching)
+        moved = self._period * self._r / gamma * push * (abs(rate) + self._period * push) ** (self._r - 1.0)
+        return reaching * (abs(s) / moved) if moved > abs(s) else reaching
+
+
+def loop_gain(control_period: float, r: float, gamma: float, root: float, slope: float) -> float:
+    """Return how far one held command moves s, as a multiple of the s it answers; above about 1 the loop chatters.
+
+    From s' = (r/g) |e'|^(r-1) a3 and the slope of a3 in s:
+
+        T (r/g) |e'|^(r-1) ( K_hat (1 + |x'|^2) / Phi + K2 (p2/q2) max(|Ds|, Phi)^(p2/q2 - 1) )
+
+    Args:
+        control_period: T [s].
+        r: q/p [-].
+        gamma: g of the DoF.
+        root: |e'|^(r-1).
+        slope: the bracket [1/s2].
+    """
+    return control_period * r / gamma * root * slope
+
+
+def _sat(x: float) -> float:
+    return -1.0 if x < -1.0 else 1.0 if x > 1.0 else x
