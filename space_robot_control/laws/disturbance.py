@@ -8,7 +8,7 @@ from space_robot_msgs_py.interfaces import Vector
 
 
 class DisturbanceObserver:
-    """d <- d + share ((v_k - v_{k-1}) / T - a_{k-1} - d), a what the law expected its last command to cause.
+    """d <- d + share ((v_k - v_{k-1}) / T - a_{k-1} - d), a what the last command causes in the nominal model.
 
     With an inertia M the residual is (M^-1 M0 - I) a: the loop through d contracts only while M0 is near M, so that a
     payload that is roughly known is estimated away and an unknown one of the arm's own weight diverges.
@@ -40,5 +40,5 @@ class DisturbanceObserver:
         return self._estimate
 
     def expect(self, acceleration: Vector | None) -> None:
-        """Take what the command is to cause, dv/dt without d (6+n,) [m/s2, rad/s2]; None: not known."""
+        """Take the dv/dt (6+n,) that the command causes in the nominal model [m/s2, rad/s2]; None: not known."""
         self._expected = acceleration

@@ -21,12 +21,12 @@ class Ntsmc(TerminalSliding):
     The rest is ``TerminalSliding`` and ``SlidingMode``; symbols: s, Delta s, xi, K_hat, Gamma, Phi, phi of the paper.
 
     Deviations from the paper:
-        (28c) multiplies K_hat by sat(s/Phi), not by Phi sat(s/Phi): the proof needs K sgn(Delta s), and the printed form
-        is 1/Phi too weak. |xi|^2 in (28c) is floored at Phi: at rest xi/|xi|^2 is 0/0. Powers of rates are of absolute
-        values where the proof needs a positive weight, (13), (28b), (29). eps_e' has w_b + w_d where the paper prints
-        w_e, which is exact only for w_d = 0. u_1 has C0, the nominal bias. K_hat has a leak, a cap and a freeze, u has
-        the clamp, the observer and direction-preserving saturation: all off by default, ``per_axis`` being the clip of
-        the paper's actuators. Free-floating robots: no sliding variable for translation.
+        (28c) multiplies K_hat by sat(s/Phi), not by Phi sat(s/Phi): the proof needs K sgn(Delta s), and the printed
+        form is 1/Phi times too weak. |xi|^2 in (28c) is floored at Phi: at rest xi/|xi|^2 is 0/0. Powers of rates are
+        of absolute values where the proof needs a positive weight, (13), (28b), (29). eps_e' has w_b + w_d where the
+        paper prints w_e, which is exact only for w_d = 0. u_1 has C0, the nominal bias. Leak, cap and freeze of K_hat,
+        the clamp, the observer and direction-preserving saturation are ours and off by default; ``per_axis`` is the
+        clip of the paper's actuators. Free-floating robots have no sliding variable for translation.
 
     Reference: [Giordano and Cenedese 2023, secs. IV, V], arXiv 2305.15007.
     """

@@ -146,7 +146,7 @@ class TerminalSliding(Law):
         push = [0.0] * self.skip + [a2 + a3 for a2, a3 in zip(terms.equivalent, terms.reaching, strict=True)]
         turn = [desired + a for desired, a in zip(rotation.desired, push[3:6], strict=True)]
         linear = rotate_inverse(state.q[3:7].tolist(), push[:3])
-        out = errors.feedforward + np.array((*linear, 0.0, 0.0, 0.0, *push[6:]))
+        out: Vector = errors.feedforward + np.array((*linear, 0.0, 0.0, 0.0, *push[6:]))
         # The feed-forward holds the rotation error of the body frame; here its frame is the representation's.
         out[3:6] = self.angular(state, rotation, turn)
         return out
