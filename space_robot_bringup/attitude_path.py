@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import numpy.typing as npt
 
@@ -61,5 +63,5 @@ def path_ratio(attitude: Matrix, goal: Vector) -> float:
     geodesic = float(np.linalg.norm(log(relative(attitude[0], goal))))
     if not geodesic > LEAST_ANGLE:
         raise NonFiniteError("no path to judge", key="attitude", value=geodesic, accepted="a start away from the goal")
-    steps = [np.linalg.norm(log(relative(a, b))) for a, b in zip(attitude[:-1], attitude[1:], strict=True)]
+    steps = [np.linalg.norm(log(relative(a, b))) for a, b in pairwise(attitude)]
     return float(sum(steps)) / geodesic

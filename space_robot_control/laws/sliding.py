@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import copysign, exp
 
 from space_robot_control.laws.ntsmc_gains import SlidingGains
+from space_robot_control.laws.sliding_sampling import cycle_rate, loop_gain
 
 Floats = Sequence[float]
 
@@ -136,6 +137,12 @@ class SlidingMode:
             for rate, g, k2 in zip(rates, self._gamma, self._k2, strict=True)
         ]
 
+    def cycle_rates(self) -> list[float]:
+        """Return the rate (m,) of the cycle that K2 sustains in each DoF [m/s, rad/s]."""
+        return [
+            cycle_rate(self._period, self._r, self._reach, g, k2) for g, k2 in zip(self._gamma, self._k2, strict=True)
+        ]
+
     def _loop_gain(self, root: float, estimate: float, gamma: float, k2: float, delta: float) -> float:
         # The power has no finite slope at 0; the layer's width is the least distance that means anything.
         power = k2 * self._reach * max(abs(delta), self._layer) ** (self._reach - 1.0)
@@ -153,23 +160,6 @@ class SlidingMode:
         push = abs(reaching)
         moved = self._period * self._r / gamma * push * (abs(rate) + self._period * push) ** (self._r - 1.0)
         return reaching * (abs(s) / moved) if moved > abs(s) else reaching
-
-
-def loop_gain(control_period: float, r: float, gamma: float, root: float, slope: float) -> float:
-    """Return how far one held command moves s, as a multiple of the s it answers; above about 1 the loop chatters.
-
-    From s' = (r/g) |e'|^(r-1) a3 and the slope of a3 in s:
-
-        T (r/g) |e'|^(r-1) ( K_hat (1 + |x'|^2) / Phi + K2 (p2/q2) max(|Ds|, Phi)^(p2/q2 - 1) )
-
-    Args:
-        control_period: T [s].
-        r: q/p [-].
-        gamma: g of the DoF.
-        root: |e'|^(r-1).
-        slope: the bracket [1/s2].
-    """
-    return control_period * r / gamma * root * slope
 
 
 def _sat(x: float) -> float:

@@ -51,7 +51,8 @@ class TerminalSliding(Law):
 
     Telemetry: the errors every law shows, ``sliding_variable`` s (m), ``sliding_excess`` Delta s (m), ``xi`` (m),
     ``adaptive_gain`` K_hat (m) [m/s2, rad/s2], ``eta_error`` [-], ``loop_gain`` (m) [-], ``command_unsaturated`` (6+n)
-    [N, N m], ``command_norm`` of it, ``disturbance_estimate`` d (6+n) [m/s2, rad/s2].
+    [N, N m], ``command_norm`` of it, ``command_saturated`` (1 where it was beyond the nominal actuators: what is sent
+    fits, so the plant's own flags stay 0), ``disturbance_estimate`` d (6+n) [m/s2, rad/s2].
 
     Args:
         robot: the NOMINAL robot.
@@ -106,6 +107,7 @@ class TerminalSliding(Law):
             "loop_gain": terms.loop_gain,
             "command_unsaturated": u,
             "command_norm": float(u @ u) ** 0.5,
+            "command_saturated": float(saturated),
             "disturbance_estimate": disturbance,
         }
         self.sliding.adapt(terms.xi, speed_squared, saturated=saturated)

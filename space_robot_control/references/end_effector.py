@@ -13,7 +13,7 @@ from space_robot_control.references.profile import in_body, nanoseconds, quintic
 from space_robot_control.references.spec import EndEffectorPoint, EndEffectorSpec, ToolTarget
 from space_robot_control.references.spline import RestToRestSpline
 from space_robot_control.references.targets import check_limits, configuration
-from space_robot_control.references.tool_kinematics import Pose, ToolKinematics
+from space_robot_control.references.tool_kinematics import Pose, ToolKinematics, tool_pose
 from space_robot_control.rotations import exp, from_rpy, log, normalized, product, relative
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpecError
@@ -94,7 +94,7 @@ def end_effector(spec: EndEffectorSpec, robot: Robot, initial_q: Vector, key: st
             accepted = "no position: without a force it follows from attitude and joints"
             raise SpecError("the base floats freely", key=f"{where}.position", accepted=accepted)
         base = PointToPoint(q, configuration(point, robot, q, where), begin, end - begin)
-        posture = _posture(point, kinematics, q, where)
+        posture = _posture(point, robot, kinematics, q, where)
         stamps.append(begin)
         legs.append(Leg(base, posture, q, begin, end - begin))
         lowest, highest = legs[-1].spline.bounds()
@@ -103,10 +103,10 @@ def end_effector(spec: EndEffectorSpec, robot: Robot, initial_q: Vector, key: st
     return EndEffector(stamps, legs)
 
 
-def _posture(point: EndEffectorPoint, kinematics: ToolKinematics, first: Vector, key: str) -> Posture:
+def _posture(point: EndEffectorPoint, robot: Robot, kinematics: ToolKinematics, first: Vector, key: str) -> Posture:
     if point.tool is None:
         return lambda planned, joints, share, time: kinematics.settled(planned)
-    start, tool = kinematics.pose(first), point.tool
+    start, tool = tool_pose(robot, first), point.tool
     end = _target(tool, start, f"{key}.tool")
     turn = np.array(log(relative(start.quaternion, end.quaternion)))
 

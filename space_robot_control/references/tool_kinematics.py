@@ -30,6 +30,14 @@ class Pose:
     quaternion: Quaternion
 
 
+def tool_pose(robot: Robot, q: Vector) -> Pose:
+    """Return the pose of the robot's tool frame in a configuration (7+n,)."""
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, q)
+    placement = data.oMf[robot.model.getFrameId(robot.tool_frame, pin.FrameType.BODY)]
+    return Pose(np.array(placement.translation), normalized(pin.Quaternion(placement.rotation).coeffs().tolist()))
+
+
 class ToolKinematics:
     """Generalised inverse kinematics: the base pose is given, or its position follows from the arm.
 
@@ -47,17 +55,10 @@ class ToolKinematics:
     """
 
     def __init__(self, robot: Robot, initial_q: Vector, smallest_singular_value: float) -> None:
-        self._model, self._data = robot.model, robot.model.createData()
+        self._robot, self._model, self._data = robot, robot.model, robot.model.createData()
         self._frame = robot.model.getFrameId(robot.tool_frame, pin.FrameType.BODY)
         self._floating, self._smallest = robot.base_mode == "free_floating", smallest_singular_value
         self._com = np.array(pin.centerOfMass(self._model, self._data, initial_q))
-
-    def pose(self, q: Vector) -> Pose:
-        """Return the tool's pose in a configuration (7+n,)."""
-        pin.framesForwardKinematics(self._model, self._data, q)
-        placement = self._data.oMf[self._frame]
-        quaternion = normalized(pin.Quaternion(placement.rotation).coeffs().tolist())
-        return Pose(np.array(placement.translation), quaternion)
 
     def settled(self, q: Vector) -> Vector:
         """Return the configuration with the base position that a free-floating robot has in it."""
@@ -100,7 +101,7 @@ class ToolKinematics:
         raise SpecError(f"out of reach at {time:g} s", key=key, value=away, accepted="a pose the arm can take")
 
     def _error(self, q: Vector, target: Pose) -> Vector:
-        pose = self.pose(q)
+        pose = tool_pose(self._robot, q)
         return np.concatenate(
             (target.position - pose.position, log(product(target.quaternion, conjugate(pose.quaternion))))
         )
