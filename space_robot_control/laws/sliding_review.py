@@ -36,7 +36,7 @@ def review_loop_gain(
     if gain[worst] > 1.0:
         longest = control_period / gain[worst]
         warnings.append(
-            f"{names[worst]} chatters {period}: loop gain {gain[worst]:.2f}; clamp: true, or a period up to {longest:.2g} s"
+            f"{names[worst]} chatters {period}: loop gain {gain[worst]:.2f}; clamp: true, or T up to {longest:.2g} s"
         )
     if cycle[wildest] > DISTURBED:
         warnings.append(
