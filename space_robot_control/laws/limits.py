@@ -26,7 +26,8 @@ class CommandLimits:
         torque = robot.actuators.base_torque
         if isinstance(torque, ReactionWheels):
             axes = np.array(torque.axes).T
-            self._axes, self._share = axes / np.linalg.norm(axes, axis=0), np.linalg.pinv(axes)
+            self._axes = axes / np.linalg.norm(axes, axis=0)
+            self._share = np.linalg.pinv(self._axes)
             self._wheel_limit = torque.torque
         else:
             limit[3:6] = torque.limit
@@ -46,8 +47,10 @@ class CommandLimits:
         """Return the command (6+n,) with every channel, and every wheel, clipped on its own [N, N m]."""
         out = np.clip(u, -self._limit, self._limit)
         if self._share.size:
-            wheels = np.clip(self._share @ out[3:6], -self._wheel_limit, self._wheel_limit)
-            out[3:6] = self._axes @ wheels
+            torque = self._axes @ np.clip(self._share @ out[3:6], -self._wheel_limit, self._wheel_limit)
+            # More than three wheels share the clipped torque anew, and one may again be asked for too much.
+            most = float(np.abs(self._share @ torque).max())
+            out[3:6] = torque if most <= self._wheel_limit else torque * (self._wheel_limit / most)
         return out
 
     def direction_preserving(self, u: Vector, bias: Vector) -> Vector:
