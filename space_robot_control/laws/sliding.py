@@ -72,6 +72,8 @@ class SlidingMode:
         self._gamma, self._k1, self._k2 = tuple(gamma), gains.k1, tuple(k2)
         self._layer, self._period, self._clamp = gains.boundary_layer, control_period, gains.clamp
         self._r, self._reach = exponents.rate, exponents.reach
+        # The power of Delta s has no finite slope at 0; the layer's width is the least distance that means anything.
+        self._edge = self._layer ** (self._reach - 1.0)
         self._half_norm_power = exponents.p1 / exponents.q1
         self._turning = [index in rotation for index in range(len(self._gamma))]
         self._adaptation, self._keep = adaptation, exp(-adaptation.leak * control_period)
@@ -95,24 +97,16 @@ class SlidingMode:
             e_dot: (m,) the derivative of e; differs from ``rate`` for rotation only.
             speed_squared: |x'|^2.
         """
-        layer, power = self._layer, self._r - 1.0
-        roots = [abs(value) ** power for value in rate]
-        s = [root * v / g + x for root, v, g, x in zip(roots, rate, self._gamma, e, strict=True)]
-        delta = [x - layer * _sat(x / layer) for x in s]
-        xi = [root / g * d for root, g, d in zip(roots, self._gamma, delta, strict=True)]
-        norm_squared, xi_squared = sum(d * d for d in delta), sum(x * x for x in xi)
-        along = self._k1 * norm_squared**self._half_norm_power / max(xi_squared, layer)
+        surface = [self._surface(*each) for each in zip(e, rate, self._gamma, strict=True)]
+        _, s, delta, xi = zip(*surface, strict=True)
+        norm_squared, xi_squared = sum([d * d for d in delta]), sum([x * x for x in xi])
+        along = self._k1 * norm_squared**self._half_norm_power / max(xi_squared, self._layer)
         grown = [k * (1.0 + speed_squared) for k in self._estimate]
-        reaching = [
-            -(k * _sat(x / layer) + along * z + k2 * copysign(abs(d) ** self._reach, d))
-            for k, x, z, k2, d in zip(grown, s, xi, self._k2, delta, strict=True)
+        driven = [
+            self._drive(along, *each)
+            for each in zip(surface, rate, e_dot, grown, self._gamma, self._k2, self._turning, strict=True)
         ]
-        if self._clamp:
-            reaching = [self._clamped(*each) for each in zip(reaching, s, rate, self._gamma, strict=True)]
-        equivalent = [
-            self._equivalent(*each) for each in zip(rate, roots, e_dot, self._gamma, self._turning, strict=True)
-        ]
-        gains = [self._loop_gain(*each) for each in zip(roots, grown, self._gamma, self._k2, delta, strict=True)]
+        equivalent, reaching, gains = zip(*driven, strict=True)
         return SlidingTerms(s, delta, xi, equivalent, reaching, gains)
 
     def adapt(self, xi: Floats, speed_squared: float, *, saturated: bool) -> None:
@@ -132,8 +126,9 @@ class SlidingMode:
             slowest: least rate to assume [m/s, rad/s].
         """
         rates = [max((g * abs(x)) ** (1.0 / self._r), slowest) for g, x in zip(self._gamma, e, strict=True)]
+        flat = self._adaptation.initial / self._layer
         return [
-            self._loop_gain(rate ** (self._r - 1.0), self._adaptation.initial, g, k2, 0.0)
+            loop_gain(self._period, self._r, g, rate ** (self._r - 1.0), flat + k2 * self._reach * self._edge)
             for rate, g, k2 in zip(rates, self._gamma, self._k2, strict=True)
         ]
 
@@ -143,10 +138,37 @@ class SlidingMode:
             cycle_rate(self._period, self._r, self._reach, g, k2) for g, k2 in zip(self._gamma, self._k2, strict=True)
         ]
 
-    def _loop_gain(self, root: float, estimate: float, gamma: float, k2: float, delta: float) -> float:
-        # The power has no finite slope at 0; the layer's width is the least distance that means anything.
-        power = k2 * self._reach * max(abs(delta), self._layer) ** (self._reach - 1.0)
-        return loop_gain(self._period, self._r, gamma, root, estimate / self._layer + power)
+    def _surface(self, e: float, rate: float, gamma: float) -> tuple[float, float, float, float]:
+        """|e'|^(r-1), s, Delta s and xi of one DoF."""
+        root, layer = abs(rate) ** (self._r - 1.0), self._layer
+        s = root * rate / gamma + e
+        delta = s - layer if s > layer else s + layer if s < -layer else 0.0
+        return root, s, delta, root / gamma * delta
+
+    def _drive(
+        self,
+        along: float,
+        surface: tuple[float, float, float, float],
+        rate: float,
+        e_dot: float,
+        estimate: float,
+        gamma: float,
+        k2: float,
+        turning: bool,
+    ) -> tuple[float, float, float]:
+        """a2, a3 and the loop gain of one DoF."""
+        root, s, delta, xi = surface
+        reach = abs(delta) ** self._reach
+        switch = s / self._layer if delta == 0.0 else copysign(1.0, s)
+        a3 = -(estimate * switch + along * xi + k2 * copysign(reach, delta))
+        if self._clamp:
+            push, period, r = abs(a3), self._period, self._r
+            moved = period * r / gamma * push * (abs(rate) + period * push) ** (r - 1.0)
+            if moved > abs(s):
+                a3 *= abs(s) / moved
+        slope = reach / abs(delta) if abs(delta) > self._layer else self._edge
+        gain = loop_gain(self._period, self._r, gamma, root, estimate / self._layer + k2 * self._reach * slope)
+        return self._equivalent(rate, root, e_dot, gamma, turning), a3, gain
 
     def _equivalent(self, rate: float, root: float, e_dot: float, gamma: float, turning: bool) -> float:
         if turning:
@@ -155,12 +177,3 @@ class SlidingMode:
             return -gamma / self._r * (rate / root) if root > 0.0 else 0.0
         left = max(root - gamma * (1.0 - 1.0 / self._r) * self._period, 0.0)
         return (copysign(left ** (1.0 / (self._r - 1.0)), rate) - rate) / self._period
-
-    def _clamped(self, reaching: float, s: float, rate: float, gamma: float) -> float:
-        push = abs(reaching)
-        moved = self._period * self._r / gamma * push * (abs(rate) + self._period * push) ** (self._r - 1.0)
-        return reaching * (abs(s) / moved) if moved > abs(s) else reaching
-
-
-def _sat(x: float) -> float:
-    return -1.0 if x < -1.0 else 1.0 if x > 1.0 else x

@@ -99,12 +99,12 @@ class TerminalSliding(Law):
         saturated = not self.limits.fits(u)
         blocks = {
             **error_blocks(errors),
-            "sliding_variable": terms.s,
-            "sliding_excess": terms.delta,
-            "xi": terms.xi,
-            "adaptive_gain": self.sliding.estimate,
+            "sliding_variable": np.array(terms.s),
+            "sliding_excess": np.array(terms.delta),
+            "xi": np.array(terms.xi),
+            "adaptive_gain": np.array(self.sliding.estimate),
             "eta_error": float(state.q[3:7] @ reference.q[3:7]),
-            "loop_gain": terms.loop_gain,
+            "loop_gain": np.array(terms.loop_gain),
             "command_unsaturated": u,
             "command_norm": float(u @ u) ** 0.5,
             "command_saturated": float(saturated),

@@ -44,7 +44,7 @@ class Flown:
 def test_draws_of_section_v_converge_near_the_geodesic(
     tmp_path: Path, draw: list[float], period: float, clamp: bool
 ) -> None:
-    """Every draw ends below 0.01 deg, its axis within 0.25 of the geodesic's and its path within 3 % of the shortest."""
+    """Every draw ends below 0.01 deg, its axis within 0.25 of the geodesic's, its path within 3 % of the shortest."""
     flown = Flown(
         tmp_path / "run",
         "sec5",
@@ -78,7 +78,7 @@ def test_keeping_the_direction_of_a_saturated_command_keeps_the_arm_still(tmp_pa
 
 @pytest.mark.parametrize("case", ["appendix_b1", "appendix_b2"])
 def test_the_scenarios_of_appendix_b(tmp_path: Path, case: str) -> None:
-    """The quaternion law passes; the Euler baseline asks for several times as much, goes a long way round, is slower."""
+    """The quaternion law passes; the Euler baseline asks for several times as much and goes a long way round."""
     quaternion, euler = Flown(tmp_path / "q", case), Flown(tmp_path / "e", f"{case}_euler")
     assert quaternion.result.passed
     assert euler.asked.max() > 3.0 * quaternion.asked.max()
@@ -88,6 +88,7 @@ def test_the_scenarios_of_appendix_b(tmp_path: Path, case: str) -> None:
     assert torque[0] < 0.5 * torque[1]
 
 
+@pytest.mark.slow
 def test_the_tracking_error_of_appendix_c_grows_with_what_is_not_known_of_the_load(tmp_path: Path) -> None:
     """Down to half of the load the tool ends within 1 mm and 0.01 deg; the less is known the larger the excursion."""
     robot, worst = load_robot("servicer"), []

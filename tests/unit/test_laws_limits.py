@@ -52,7 +52,7 @@ def test_fitted_commands_fit_and_fitting_ones_stay(actuators: dict[str, Any]) ->
 
 @pytest.mark.parametrize("actuators", [BOX, WHEELS], ids=["box", "wheels"])
 def test_the_scale_keeps_the_direction_from_the_bias_and_is_the_largest(actuators: dict[str, Any]) -> None:
-    """u - C0 keeps its direction; one per mille more does not fit."""
+    """What goes beyond C0 keeps its direction; one per mille more does not fit."""
     able, bias = limits(actuators), commands(actuators, 0.3)[0]
     for u in commands(actuators, 8.0):
         fitted = able.direction_preserving(u, bias)

@@ -39,7 +39,7 @@ def law_of(robot: Robot, period: float = 0.1, **gains: Any) -> Ntsmc:
 
 
 def inertial_rates(q: Vector, v: Vector, a: Vector) -> tuple[Vector, Vector]:
-    """x' and x'' of the paper, base parts in the inertial frame."""
+    """The paper's x' and x'', base parts in the inertial frame."""
     turn, omega = rot.matrix(q[3:7]), v[3:6]
     rates = np.concatenate([turn @ v[:3], turn @ omega, v[6:]])
     return rates, np.concatenate([turn @ (a[:3] + np.cross(omega, v[:3])), turn @ a[3:6], a[6:]])

@@ -77,7 +77,7 @@ def test_wrapped_errors_lie_within_half_a_turn_and_unwrapped_ones_count() -> Non
 
 
 def test_for_a_small_error_about_one_axis_both_laws_are_one_with_half_the_error() -> None:
-    """eps is half the angle: the quaternion law at 2 theta commands what the Euler law commands at theta."""
+    """As eps is half the angle, the quaternion law at 2 theta commands what the Euler law commands at theta."""
     u = {}
     for name, angle in (("ntsmc", 2e-3), ("ntsmc_euler", 1e-3)):
         goal = Reference(0, turned(0.0, 0.0, 0.0).q, ZERO, ZERO)

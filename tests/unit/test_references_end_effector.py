@@ -58,8 +58,8 @@ def test_the_tool_flies_its_line_and_its_geodesic(robot: Robot, base: dict[str, 
 
 
 @pytest.mark.parametrize(("robot", "base", "tool"), CASES, ids=IDS)
-def test_velocity_and_acceleration_are_the_derivatives(robot: Robot, base: dict[str, Any], tool: dict[str, Any]) -> None:
-    """v and a are those of the configuration by central differences, and zero before, between and after the legs."""
+def test_velocity_and_acceleration_are_derivatives(robot: Robot, base: dict[str, Any], tool: dict[str, Any]) -> None:
+    """Both are those of the configuration by central differences, and zero before, between and after the legs."""
     reference, h = source(robot, {"time": 20.0, **base}, {"time": 50.0, "tool": tool}), 100_000
     for t in (1.3, 10.0, 19.0, 22.0, 37.77, 49.0):
         stamp = round(t * SECOND)
