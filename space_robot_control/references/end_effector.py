@@ -19,7 +19,7 @@ from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
 
-# With the pieces this short the tool leaves its line by less than a micrometre (tests hold it to that).
+# With pieces this short the tool leaves lines of a third of a metre by less than a nanometre (tests hold it to that).
 KNOTS = 65
 
 Posture = Callable[[Vector, Vector, float, float], Vector]

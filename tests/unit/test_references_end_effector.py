@@ -85,6 +85,19 @@ def test_the_arm_is_still_while_the_base_flies_and_the_base_while_the_tool_does(
         np.testing.assert_allclose(reference.at(t * SECOND).q[:7], [0.5, 0.5, 0.5, *start(robot)[3:7]], atol=1e-12)
 
 
+@pytest.mark.parametrize("robot", [SERVICER, load_robot("ets7")], ids=["servicer", "ets7"])
+def test_the_tool_holds_its_pose_while_the_base_flies_and_turns(robot: Robot) -> None:
+    """Station keeping: said nothing but the base's target, the tool stays within a nanometre where it is."""
+    base = {"position": [0.2, -0.3, 0.4], "attitude_deg": [8.0, 5.0, 20.0]}
+    reference = source(robot, {"time": 30.0, **base, "tool": {}})
+    first = tool_pose(robot, reference.at(0).q)
+    for t in np.linspace(0.0, 30.0, 61).tolist():
+        pose = tool_pose(robot, reference.at(round(t * SECOND)).q)
+        np.testing.assert_allclose(pose.position, first.position, atol=1e-9)
+        np.testing.assert_allclose(log(relative(first.quaternion, pose.quaternion)), 0.0, atol=1e-9)
+    np.testing.assert_allclose(reference.at(30 * SECOND).q[:3], base["position"], atol=1e-12)
+
+
 def test_a_floating_base_moves_so_that_the_centre_of_mass_stays() -> None:
     """Without a force the reference keeps the centre of mass in every leg, to the accuracy of the spline."""
     robot, base, tool = CASES[3]
