@@ -97,17 +97,12 @@ class SlidingMode:
             e_dot: (m,) the derivative of e; differs from ``rate`` for rotation only.
             speed_squared: |x'|^2.
         """
-        surface = [self._surface(*each) for each in zip(e, rate, self._gamma, strict=True)]
-        _, s, delta, xi = zip(*surface, strict=True)
+        surface = self._surface(e, rate)
+        _, s, delta, xi = surface
         norm_squared, xi_squared = sum([d * d for d in delta]), sum([x * x for x in xi])
         along = self._k1 * norm_squared**self._half_norm_power / max(xi_squared, self._layer)
-        grown = [k * (1.0 + speed_squared) for k in self._estimate]
-        driven = [
-            self._drive(along, *each)
-            for each in zip(surface, rate, e_dot, grown, self._gamma, self._k2, self._turning, strict=True)
-        ]
-        equivalent, reaching, gains = zip(*driven, strict=True)
-        return SlidingTerms(s, delta, xi, equivalent, reaching, gains)
+        reaching, gains = self._reaching(surface, rate, along, 1.0 + speed_squared)
+        return SlidingTerms(s, delta, xi, self._equivalent(surface[0], rate, e_dot), reaching, gains)
 
     def adapt(self, xi: Floats, speed_squared: float, *, saturated: bool) -> None:
         """Move K_hat on by one period, (29)."""
@@ -138,42 +133,51 @@ class SlidingMode:
             cycle_rate(self._period, self._r, self._reach, g, k2) for g, k2 in zip(self._gamma, self._k2, strict=True)
         ]
 
-    def _surface(self, e: float, rate: float, gamma: float) -> tuple[float, float, float, float]:
-        """|e'|^(r-1), s, Delta s and xi of one DoF."""
-        root, layer = abs(rate) ** (self._r - 1.0), self._layer
-        s = root * rate / gamma + e
-        delta = s - layer if s > layer else s + layer if s < -layer else 0.0
-        return root, s, delta, root / gamma * delta
+    def _surface(self, e: Floats, rate: Floats) -> tuple[list[float], list[float], list[float], list[float]]:
+        """|e'|^(r-1), s, Delta s and xi."""
+        roots, surface, delta, xi = [], [], [], []
+        power, layer = self._r - 1.0, self._layer
+        for x, v, g in zip(e, rate, self._gamma, strict=True):
+            root = abs(v) ** power
+            weight = root / g
+            s = weight * v + x
+            d = s - layer if s > layer else s + layer if s < -layer else 0.0
+            roots.append(root)
+            surface.append(s)
+            delta.append(d)
+            xi.append(weight * d)
+        return roots, surface, delta, xi
 
-    def _drive(
-        self,
-        along: float,
-        surface: tuple[float, float, float, float],
-        rate: float,
-        e_dot: float,
-        estimate: float,
-        gamma: float,
-        k2: float,
-        turning: bool,
-    ) -> tuple[float, float, float]:
-        """a2, a3 and the loop gain of one DoF."""
-        root, s, delta, xi = surface
-        reach = abs(delta) ** self._reach
-        switch = s / self._layer if delta == 0.0 else copysign(1.0, s)
-        a3 = -(estimate * switch + along * xi + k2 * copysign(reach, delta))
-        if self._clamp:
-            push, period, r = abs(a3), self._period, self._r
-            moved = period * r / gamma * push * (abs(rate) + period * push) ** (r - 1.0)
-            if moved > abs(s):
-                a3 *= abs(s) / moved
-        slope = reach / abs(delta) if abs(delta) > self._layer else self._edge
-        gain = loop_gain(self._period, self._r, gamma, root, estimate / self._layer + k2 * self._reach * slope)
-        return self._equivalent(rate, root, e_dot, gamma, turning), a3, gain
+    def _reaching(
+        self, surface: tuple[Floats, Floats, Floats, Floats], rate: Floats, along: float, grown: float
+    ) -> tuple[list[float], list[float]]:
+        """a3, and the loop gain."""
+        reaching, gains = [], []
+        layer, reach, edge, period, r = self._layer, self._reach, self._edge, self._period, self._r
+        for root, s, d, x, v, k_hat, g, k2 in zip(*surface, rate, self._estimate, self._gamma, self._k2, strict=True):
+            size, k = abs(d), k_hat * grown
+            power = size**reach
+            a3 = -(k * (copysign(1.0, s) if d else s / layer) + along * x + k2 * copysign(power, d))
+            if self._clamp:
+                push = abs(a3)
+                moved = period * r / g * push * (abs(v) + period * push) ** (r - 1.0)
+                if moved > abs(s):
+                    a3 *= abs(s) / moved
+            slope = k / layer + k2 * reach * (power / size if size > layer else edge)
+            reaching.append(a3)
+            gains.append(loop_gain(period, r, g, root, slope))
+        return reaching, gains
 
-    def _equivalent(self, rate: float, root: float, e_dot: float, gamma: float, turning: bool) -> float:
-        if turning:
-            return -gamma / self._r * root / max(root * root, self._layer) * e_dot
-        if not self._clamp:
-            return -gamma / self._r * (rate / root) if root > 0.0 else 0.0
-        left = max(root - gamma * (1.0 - 1.0 / self._r) * self._period, 0.0)
-        return (copysign(left ** (1.0 / (self._r - 1.0)), rate) - rate) / self._period
+    def _equivalent(self, roots: Floats, rate: Floats, e_dot: Floats) -> list[float]:
+        """a2."""
+        out, period, power = [], self._period, self._r - 1.0
+        for root, v, x, g, turning in zip(roots, rate, e_dot, self._gamma, self._turning, strict=True):
+            g_r = g / self._r
+            if turning:
+                out.append(-g_r * root / max(root * root, self._layer) * x)
+            elif self._clamp:
+                left = max(root - g_r * power * period, 0.0)
+                out.append((copysign(left ** (1.0 / power), v) - v) / period)
+            else:
+                out.append(-g_r * v / root if root > 0.0 else 0.0)
+        return out
