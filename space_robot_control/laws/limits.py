@@ -58,7 +58,7 @@ class CommandLimits:
 
         The acceleration M^-1 (u - bias) keeps its direction, which a clip per channel does not: the joints' part of u
         counts on the base acceleration that the base's part was to give. Where bias itself is beyond a limit, alpha
-        is 0 and the channels that still do not fit are left to the actuators.
+        is 0 and the channels that still do not fit are clipped.
 
         Args:
             u: (6+n,) command [N, N m].
@@ -72,8 +72,8 @@ class CommandLimits:
         # A channel beyond its limit without a step got there by bias alone.
         alphas = np.divide(room, step, out=np.zeros_like(step), where=step != 0.0)
         alpha = float(min(1.0, max(0.0, alphas.min())))
-        out: Vector = bias + alpha * (u - bias)
-        return out
+        # Clipped, because rounding may leave a channel a bit beyond its limit.
+        return self.per_axis(bias + alpha * (u - bias))
 
     def _channels(self, u: Vector) -> Vector:
         return np.concatenate((u, self._share @ u[3:6])) if self._share.size else u

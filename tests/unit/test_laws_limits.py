@@ -43,6 +43,7 @@ def test_fitted_commands_fit_and_fitting_ones_stay(actuators: dict[str, Any]) ->
     for u in commands(actuators, 8.0):
         assert able.fits((1.0 - 1e-12) * able.per_axis(u))
         assert able.fits((1.0 - 1e-12) * able.direction_preserving(u, np.zeros(6 + N)))
+        assert actuators is WHEELS or able.fits(able.direction_preserving(u, np.full(6 + N, 0.1)))
     for u in commands(actuators, 0.1):
         assert able.fits(u)
         assert able.per_axis(u).tobytes() == u.tobytes() or actuators is WHEELS
@@ -63,11 +64,12 @@ def test_the_scale_keeps_the_direction_from_the_bias_and_is_the_largest(actuator
 
 
 def test_a_bias_beyond_the_limits_leaves_no_room() -> None:
-    """Where C0 alone does not fit the rest is given up, and the answer is C0 for the actuators to clip."""
+    """Where C0 alone does not fit the rest is given up, and the answer is C0, clipped."""
     able, bias, u = limits(BOX), np.zeros(6 + N), np.zeros(6 + N)
     bias[6], u[6], u[7] = 6.0, 7.0, 1.0
-    assert able.direction_preserving(u, bias).tolist() == bias.tolist()
-    assert able.direction_preserving(bias, bias).tolist() == bias.tolist()
+    clipped = [*bias[:6], 5.0, 0.0, 0.0]
+    assert able.direction_preserving(u, bias).tolist() == clipped
+    assert able.direction_preserving(bias, bias).tolist() == clipped
 
 
 def test_limits_are_those_of_the_robot_file() -> None:
