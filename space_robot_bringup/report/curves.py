@@ -101,7 +101,7 @@ def _curve(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun
         color, line, width = "black", "dotted", 1.2
     else:
         color = PALETTE[index % len(PALETTE)] if by_signal else color_of(panel, flown, run)
-        line = "solid" if by_signal else LINES[index % len(LINES)]
+        line = "solid" if by_signal else LINES[(index + _nth_sweep(flown, run[0].group)) % len(LINES)]
         width = 1.4 if members <= SINGLY else 0.7
     crowded = members > SINGLY and not _is_given(signal)
     return Curve(
@@ -114,6 +114,12 @@ def _curve(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun
         label=_label(panel, runs, run, signal, members),
         held=signal.startswith("command."),
     )
+
+
+def _nth_sweep(flown: FlownFigure, group: str) -> int:
+    """All sweeps have the same shades: what tells the second from the first is its line."""
+    sweeps = [label for label, runs in flown.figure.runs.items() if runs.sweep]
+    return sweeps.index(group) if group in sweeps else 0
 
 
 def _label(panel: Panel, runs: list[FlownRun], run: FlownRun, signal: str, members: int) -> str:

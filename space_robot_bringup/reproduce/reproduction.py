@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from space_robot_bringup.reproduce.check import check_plan
@@ -11,7 +11,7 @@ from space_robot_bringup.reproduce.claims import Judgement, judge
 from space_robot_bringup.reproduce.fly import Job, Keep, fly
 from space_robot_bringup.reproduce.measures import Flight, FlownRun, select
 from space_robot_bringup.reproduce.plan import Plan, PlannedFlight, PlannedRun
-from space_robot_bringup.reproduce.spec import KEEP_ALL_UP_TO, Figure, Measure, Number, Quantity
+from space_robot_bringup.reproduce.spec import KEEP_ALL_UP_TO, Figure, Number, Quantity
 from space_robot_bringup.reproduce.timing import CycleTimes, time_law
 from space_robot_bringup.reproduce.workers import Task, Workers
 from space_robot_msgs_py.errors import InputFileError
@@ -103,9 +103,14 @@ def reproduce(
 
 def _figure(plan: Plan, name: str, flights: dict[str, Flight], times: dict[str, CycleTimes]) -> FlownFigure:
     figure = plan.manifest.figures[name]
-    runs = tuple((run, flights[run.flight.name]) for group in plan.runs[name].values() for run in group)
-    judgements = tuple(judge(claim, figure, runs, times) for claim in figure.claims)
-    return FlownFigure(name, figure, runs, times, judgements)
+    runs = []
+    for run in (run for group in plan.runs[name].values() for run in group):
+        flight = flights[run.flight.name]
+        if run.group in times:
+            flight = replace(flight, cycle_times=times[run.group].metrics())
+        runs.append((run, flight))
+    judgements = tuple(judge(claim, figure, runs) for claim in figure.claims)
+    return FlownFigure(name, figure, tuple(runs), times, judgements)
 
 
 def _job(plan: Plan, figures: Sequence[str], flight: PlannedFlight, directory: Path) -> Job:
@@ -140,7 +145,7 @@ def _numbers(figure: Figure, runs: Sequence[PlannedRun], flight: PlannedFlight) 
             yield from table.columns.values()
     for claim in figure.claims:
         for measure in claim.measures.values():
-            if isinstance(measure, Measure) and any(run.flight is flight for run in select(measure, runs)):
+            if any(run.flight is flight for run in select(measure, runs)):
                 yield measure
 
 

@@ -76,7 +76,7 @@ class Quantity:
 class Number(Strict):
     """A number over runs: what it is of each, and how many become one."""
 
-    metric: str | None = Field(default=None, description="a metric of the run, or completed, or diverged")
+    metric: str | None = Field(default=None, description="of the run; also completed, diverged, cycle_time.median")
     signal: str | None = Field(default=None, description="a signal, of which `take` takes a number")
     take: Takes | None = None
     after: NonNegativeFloat = Field(default=0.0, description="the signal from this time on [s]")
@@ -118,18 +118,11 @@ class Measure(Number):
         return (self.of,) if isinstance(self.of, str) else self.of
 
 
-class TimingMeasure(Strict):
-    """A computation time of the figure's timing table [us]: of this machine, so only for claims on its order."""
-
-    timing: Literal["mean", "median", "p99"]
-    of: str = Field(description="group of the timing table")
-
-
 class Claim(Strict):
     """What the paper says, how it is checked, and what was found when the manifest was written."""
 
     paper: str = Field(min_length=1, description="the paper's words")
-    measures: dict[str, Measure | TimingMeasure] = Field(default_factory=dict, description="name -> number")
+    measures: dict[str, Measure] = Field(default_factory=dict, description="name -> number")
     holds_if: str = Field(default="", description="a condition over the measures")
     found: str = Field(default="", description="what was measured: a format string over the measures, n and seeds")
     verdict: Verdict = Field(description="the documented verdict; another one is an error")
