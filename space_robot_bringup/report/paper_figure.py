@@ -76,8 +76,10 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
 
 def _draw_panels(flown: FlownFigure, axes: Any) -> None:
     for axis, panel in zip(axes, flown.figure.panels, strict=True):
-        for curve in curves_of(panel, flown):
-            _draw_curve(axis, curve)
+        for index, curve in enumerate(curves_of(panel, flown)):
+            # What the manifest names first lies on top.
+            _draw_curve(axis, curve, 3.0 / (1 + index) + 1.0)
+        axis.margins(x=0.0)
         axis.set_xlim(left=panel.after or None, right=panel.before)
         _dress(axis, panel)
     for axis, panel in zip(axes[:-1], flown.figure.panels[:-1], strict=True):
@@ -91,7 +93,7 @@ def _draw_panels(flown: FlownFigure, axes: Any) -> None:
         axes[-1].set_xlabel("time [s]")
 
 
-def _draw_curve(axis: Any, curve: Curve) -> None:
+def _draw_curve(axis: Any, curve: Curve, zorder: float) -> None:
     axis.plot(
         curve.time,
         curve.values,
@@ -101,7 +103,7 @@ def _draw_curve(axis: Any, curve: Curve) -> None:
         alpha=curve.alpha,
         label=curve.label or "_",
         drawstyle="steps-post" if curve.held else "default",
-        zorder=3 if curve.label else 2,
+        zorder=zorder,
     )
 
 

@@ -46,12 +46,17 @@ def count(data: Data) -> str:
     return f"{len(verdicts)} claims ({', '.join(parts) or 'none'}) from {data['runs']} runs"
 
 
+def sample(claim: Data) -> str:
+    """How many runs a claim is about, and which seeds they have."""
+    runs = "1 run" if claim["runs"] == 1 else f"{claim['runs']} runs"
+    return f"{runs}, seed {claim['seeds']}"
+
+
 def _claim(console: Console, claim: Data) -> None:
     console.print(f"  {claim['paper']}", style="italic", markup=False, soft_wrap=True)
     console.print(f"    {claim['verdict']}", style=STYLES[claim["verdict"]], end="", markup=False)
     if claim["found"]:
-        seeds = f", seed {claim['seeds']}" if claim["seeds"] else ""
-        text = f": {claim['found']} ({claim['runs']} runs{seeds})"
+        text = f": {claim['found']} ({sample(claim)})"
         console.print(text, end="", markup=False, soft_wrap=True)
     console.print()
     for measure in claim["measures"].values():

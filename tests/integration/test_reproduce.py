@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
 from space_robot_description.validation import parse_yaml_text
 from tests.integration.tool import Tool, refused
 
@@ -76,6 +78,12 @@ class Failing(Law):
 """
 
 
+@pytest.fixture(scope="module", autouse=True)
+def compiled() -> None:
+    """The plant is compiled before: the first use says so in a line of its own."""
+    compose(load_experiment("liu2023/fig08")).plant()
+
+
 def write(folder: Path, text: str = MANIFEST, **changes: Any) -> None:
     """The manifest, with top-level keys of its first figure changed."""
     data = parse_yaml_text(text, "manifest")
@@ -127,8 +135,10 @@ def test_the_command_of_a_run_gives_its_bag(space_robot: Tool, tmp_path: Path) -
 def test_the_page_has_everything_and_needs_nothing(space_robot: Tool, tmp_path: Path) -> None:
     """Every figure with its picture, claim, verdict and command is on one page that loads no other file."""
     write(tmp_path)
-    done = space_robot("reproduce", "paper.yaml")
+    done = space_robot("reproduce", "paper.yaml", "--markdown", "claims.md")
     assert done.returncode == 0
+    row = "| 8 | Wrong parameters make it diverge. | does not hold | 0 of 2 diverge (2 runs, seed 1-2); Twenty percent"
+    assert row in (tmp_path / "claims.md").read_text()
     page = (tmp_path / "out" / "paper" / "index.html").read_text()
     assert page.count('<img src="data:image/png;base64,') == 2
     assert not re.findall(r"""(?:src|href)=["'](?!data:|#)""", page)
