@@ -11,10 +11,10 @@ mpl.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.colors import is_color_like
 
-from space_robot_bringup.report.chart import draw_chart
+from space_robot_bringup.report.chart import draw_chart, plain
 from space_robot_bringup.report.curves import Curve, curves_of
 from space_robot_bringup.reproduce.reproduction import FlownFigure
-from space_robot_bringup.reproduce.spec import Drawing, Figure, Panel
+from space_robot_bringup.reproduce.spec import Drawing, Figure
 from space_robot_msgs_py.errors import LogError, SpecError
 
 WIDTH, HEIGHT, ALONE = 8.0, 2.6, 4.0
@@ -101,17 +101,17 @@ def _draw_curve(axis: Any, curve: Curve, zorder: float) -> None:
         linestyle=curve.line,
         linewidth=curve.width,
         alpha=curve.alpha,
-        label=curve.label or "_",
+        label=plain(curve.label) or "_",
         drawstyle="steps-post" if curve.held else "default",
         zorder=zorder,
     )
 
 
-def _dress(axis: Any, drawing: Panel | Drawing) -> None:
+def _dress(axis: Any, drawing: Drawing) -> None:
     axis.set_yscale(drawing.y_scale)
     if drawing.limits is not None:
         axis.set_ylim(*drawing.limits)
-    axis.set_title(drawing.label, loc="left", fontsize="medium")
+    axis.set_title(plain(drawing.label), loc="left", fontsize="medium")
     handles, labels = axis.get_legend_handles_labels()
     if len(handles) > 1 or (handles and drawing.legend):
         columns = 1 + (len(handles) - 1) // LONGEST_LEGEND

@@ -60,9 +60,9 @@ def check_words(claim: Claim, key: str) -> None:
         if unknown := [name for name in fields if name not in names]:
             raise SpecError("no such measure", key=f"{key}.found", value=unknown[0], accepted=", ".join(names))
         claim.found.format_map({**dict.fromkeys(claim.measures, 1.0), "n": 1, "seeds": "1-4"})
-    except (ValueError, IndexError) as error:
-        if isinstance(error, SpecError):
-            raise
+    except SpecError:
+        raise
+    except (ValueError, LookupError, AttributeError, TypeError) as error:
         raise SpecError(f"not a format string: {error}", key=f"{key}.found", value=claim.found) from None
 
 

@@ -17,7 +17,7 @@ from space_robot_bringup.reproduce.reproduction import FlownFigure, prepare, rep
 from space_robot_bringup.reproduce.show import show
 from space_robot_bringup.reproduce.workers import cores
 from space_robot_bringup.stopping import StopFlag
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_sim.kernel.cache import must_compile
 
 MOST_WORKERS = 256
@@ -69,7 +69,9 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     plan = load_plan(order.paper)
     figures = choose_figures(plan.manifest, order.figures)
     for name in figures:
-        check_colors(plan.manifest.figures[name], f"{plan.name} figures.{name}")
+        check_colors(plan.manifest.figures[name], f"{plan.argument} figures.{name}")
+    if order.markdown is not None and not order.markdown.resolve().parent.is_dir():
+        raise InputFileError("no such folder", key="--markdown", value=str(order.markdown))
     directory = order.directory or Path("out") / plan.name
     if must_compile() and not order.as_json:
         err.print("compiling the plant, once (about 20 s)")

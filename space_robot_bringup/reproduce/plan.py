@@ -98,6 +98,7 @@ def load_plan(paper: str) -> Plan:
     """
     path = manifest_path(paper)
     manifest = read_manifest(path, paper)
+    _check_pictures(manifest, paper)
     planner = _Planner(path.parent)
     runs = {
         name: {
@@ -143,6 +144,21 @@ def choose_figures(manifest: Manifest, chosen: Iterable[str]) -> list[str]:
             accepted = nearest(name, names) or ", ".join(names)
             raise SpecError("no such figure", key="--figure", value=name, accepted=accepted)
     return [name for name in manifest.figures if not wanted or name in wanted]
+
+
+def picture_name(figure: str) -> str:
+    """File name of a figure's picture: ``fig08.png`` for figure 8, else its own name."""
+    stem = f"fig{int(figure):02d}" if figure.isdecimal() else re.sub(r"[^\w.-]+", "-", figure)
+    return f"{stem}.png"
+
+
+def _check_pictures(manifest: Manifest, where: str) -> None:
+    pictures: dict[str, str] = {}
+    for name in manifest.figures:
+        other = pictures.setdefault(picture_name(name), name)
+        if other != name:
+            accepted = "names that differ in letters and digits"
+            raise SpecError(f"its picture is that of {other!r}", key=f"{where} figures", value=name, accepted=accepted)
 
 
 class _Planner:

@@ -14,7 +14,7 @@ from space_robot_bringup.reproduce.plan import Plan, PlannedFlight, PlannedRun
 from space_robot_bringup.reproduce.spec import KEEP_ALL_UP_TO, Figure, Number, Quantity
 from space_robot_bringup.reproduce.timing import CycleTimes, time_law
 from space_robot_bringup.reproduce.workers import Task, Workers
-from space_robot_msgs_py.errors import InputFileError
+from space_robot_msgs_py.errors import InputFileError, LogError
 
 RUNS, CLAIMS = "runs", "claims.json"
 
@@ -53,8 +53,12 @@ def prepare(plan: Plan, figures: Sequence[str], directory: Path) -> None:
         InputFileError: the directory holds something else.
     """
     check_plan(plan, figures)
-    ours = any((directory / name).exists() for name in (RUNS, CLAIMS))
-    if directory.exists() and not (directory.is_dir() and (ours or not any(directory.iterdir()))):
+    try:
+        ours = any((directory / name).exists() for name in (RUNS, CLAIMS))
+        free = not directory.exists() or (directory.is_dir() and (ours or not any(directory.iterdir())))
+    except OSError as error:
+        raise InputFileError(f"cannot be read: {error.strerror}", key="--out", value=str(directory)) from None
+    if not free:
         accepted = "a directory, new, empty or of an earlier reproduction"
         raise InputFileError("holds something else", key="--out", value=str(directory), accepted=accepted)
 
@@ -85,6 +89,10 @@ def reproduce(
         SpaceRobotError: a log cannot be written, or a worker died.
     """
     planned = plan.flights(figures)
+    try:
+        (directory / RUNS).mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise LogError(f"cannot be made: {error}", key="--out", value=str(directory)) from None
     jobs = [_job(plan, figures, flight, directory) for flight in planned.values()]
     with Workers(min(workers, len(jobs)), stop) as pool:
         flown = pool.run([(fly, (job,)) for job in jobs], on_done)

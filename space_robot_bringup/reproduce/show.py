@@ -42,8 +42,10 @@ def heading(figure: Data) -> str:
 def count(data: Data) -> str:
     """How many claims have which verdict, from how many runs."""
     verdicts = [claim["verdict"] for figure in data["figures"] for claim in figure["claims"]]
+    if not verdicts:
+        return f"no claims, {data['runs']} runs"
     parts = [f"{verdicts.count(verdict)} {verdict}" for verdict in STYLES if verdict in verdicts]
-    return f"{len(verdicts)} claims ({', '.join(parts) or 'none'}) from {data['runs']} runs"
+    return f"{len(verdicts)} claims ({', '.join(parts)}) from {data['runs']} runs"
 
 
 def sample(claim: Data) -> str:

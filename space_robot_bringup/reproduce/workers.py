@@ -19,7 +19,7 @@ Result = TypeVar("Result")
 Task = tuple[Callable[..., Result], tuple[Any, ...]]
 
 # One process per run uses the cores; numeric libraries with threads of their own would fight over them.
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 ASK_EVERY = 0.2
 
 

@@ -232,6 +232,10 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
         ("panels.0.style", "reel", "real"),
     ),
     "empty limits": ({"panels": [{"signals": ["base.error"], "limits": [1, 1]}]}, ("panels.0.limits",)),
+    "no place on a log scale": (
+        {"panels": [{"signals": ["base.error"], "limits": [0, 1], "y_scale": "log"}]},
+        ("panels.0.limits", "above 0"),
+    ),
     "a window the wrong way": (
         {"panels": [{"signals": ["base.error"], "after": 3, "before": 2}]},
         ("panels.0.before", "> 3"),
@@ -297,6 +301,8 @@ def test_a_bad_manifest_gets_one_line_and_leaves_nothing(
         (("paper.yaml", "--figure", "gian"), ("--figure", "gian", "gain")),
         (("paper.yaml", "--workers", "0"), ("--workers", "0")),
         (("paper.yaml", "--out", "precious"), ("--out", "precious")),
+        (("paper.yaml", "--out", "paper.yaml"), ("--out", "paper.yaml")),
+        (("paper.yaml", "--markdown", "no/where.md"), ("--markdown", "no/where.md")),
     ],
 )
 def test_bad_options_get_one_line_and_leave_nothing(

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan
+from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan, picture_name
 from space_robot_msgs_py.errors import SpecError
 
 HEAD = "title: T\ncitation: C\nfigures:\n"
@@ -118,6 +118,16 @@ def test_bad_groups_are_refused_by_their_key(tmp_path: Path, runs: str, words: t
         plan(tmp_path, runs)
     for word in words:
         assert word in str(refusal.value)
+
+
+def test_every_figure_has_a_picture_of_its_own(tmp_path: Path) -> None:
+    """Two figures whose pictures would have one file name are refused."""
+    assert picture_name("8") == "fig08.png"
+    assert picture_name("table 2/b") == "table-2-b.png"
+    body = "".join(f'  "{name}": {{title: t, runs: {{x: {{experiment: liu2023/fig08}}}}}}\n' for name in ("8", "fig08"))
+    (tmp_path / "p.yaml").write_text(HEAD + body)
+    with pytest.raises(SpecError, match=r"p\.yaml figures: its picture is that of '8'; got 'fig08'"):
+        load_plan(str(tmp_path / "p.yaml"))
 
 
 def test_figures_are_chosen_in_the_order_of_the_manifest(tmp_path: Path) -> None:
