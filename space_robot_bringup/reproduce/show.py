@@ -24,12 +24,21 @@ def show(console: Console, data: Data) -> None:
         for group, times in figure["timing"].items():
             numbers = f"mean {times['mean']:.1f}, median {times['median']:.1f}, 99 % below {times['p99']:.1f} us"
             console.print(f"  {group}: {numbers} per cycle, {times['repeats']} repeats", markup=False, soft_wrap=True)
-        for run in figure["runs"]:
-            if run["label"] in figure["failed"]:
-                line = f"  failed: {run['label']}: {run['end_reason']}"
-                console.print(line, style="red", markup=False, soft_wrap=True)
+        _troubles(console, figure)
     word, style = ("as documented", "bold green") if data["passed"] else ("NOT as documented", "bold red")
     console.print(f"\n{count(data)}: {word}", style=style, markup=False, soft_wrap=True)
+
+
+def _troubles(console: Console, figure: Data) -> None:
+    warned = [run for run in figure["runs"] if run["warnings"]]
+    if warned:
+        first = f"{warned[0]['label']}: {warned[0]['warnings'][0]}"
+        line = f"  warned of {len(warned)} of {len(figure['runs'])} runs before their flight, first {first}"
+        console.print(line, style="yellow", markup=False, soft_wrap=True)
+    for run in figure["runs"]:
+        if run["label"] in figure["failed"]:
+            line = f"  failed: {run['label']}: {run['end_reason']}"
+            console.print(line, style="red", markup=False, soft_wrap=True)
 
 
 def heading(figure: Data) -> str:
