@@ -65,7 +65,7 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
             _draw_panels(flown, axes[: len(panels), 0])
             for axis, chart in zip(axes[len(panels) :, 0], charts, strict=True):
                 draw_chart(axis, chart, flown)
-                _dress(axis, chart)
+                _dress(axis, chart, str(chart.measure.quantity))
             picture.savefig(path, dpi=130, format="png")
         except OSError as error:
             raise LogError(f"the picture cannot be written: {error.strerror or error}", key=str(path)) from None
@@ -81,7 +81,7 @@ def _draw_panels(flown: FlownFigure, axes: Any) -> None:
             _draw_curve(axis, curve, 3.0 / (1 + index) + 1.0)
         axis.margins(x=0.0)
         axis.set_xlim(left=panel.after or None, right=panel.before)
-        _dress(axis, panel)
+        _dress(axis, panel, ", ".join(panel.signals))
     for axis, panel in zip(axes[:-1], flown.figure.panels[:-1], strict=True):
         last = flown.figure.panels[-1]
         if (panel.after, panel.before) == (last.after, last.before):
@@ -107,11 +107,11 @@ def _draw_curve(axis: Any, curve: Curve, zorder: float) -> None:
     )
 
 
-def _dress(axis: Any, drawing: Drawing) -> None:
+def _dress(axis: Any, drawing: Drawing, shown: str) -> None:
     axis.set_yscale(drawing.y_scale)
     if drawing.limits is not None:
         axis.set_ylim(*drawing.limits)
-    axis.set_title(plain(drawing.label), loc="left", fontsize="medium")
+    axis.set_title(plain(drawing.label or shown), loc="left", fontsize="medium")
     handles, labels = axis.get_legend_handles_labels()
     if len(handles) > 1 or (handles and drawing.legend):
         columns = 1 + (len(handles) - 1) // LONGEST_LEGEND

@@ -157,7 +157,7 @@ class Drawing(Strict):
     """What panels and charts have in common."""
 
     of: Texts | None = Field(default=None, description="groups; default: all of the figure")
-    label: str = Field(default="", description="of the vertical axis, with its unit")
+    label: str = Field(default="", description="of the vertical axis, with its unit; default: what is drawn")
     legend: dict[str, str] = Field(default_factory=dict, description="group or signal -> text; empty text: no entry")
     style: dict[str, Style] = Field(default_factory=dict, description="group or signal -> color, or a style")
     y_scale: Scale = "linear"
