@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from space_robot_bringup.reproduce.claims import check_words
-from space_robot_bringup.reproduce.measures import CYCLE_TIMES, select
+from space_robot_bringup.reproduce.measures import select
 from space_robot_bringup.reproduce.plan import Plan, PlannedRun, Runs
 from space_robot_bringup.reproduce.spec import Chart, Claim, Drawing, Figure, Measure, Number, Panel, Table
 from space_robot_bringup.reproduce.vocabulary import Vocabulary
@@ -109,10 +109,10 @@ class _FigureCheck:
         _check_reducible(measure, runs, key)
 
     def _check_number(self, number: Number, runs: Sequence[PlannedRun], key: str) -> None:
-        if number.metric in CYCLE_TIMES:
+        if number.timing is not None:
             timed = self._figure.timing.of if self._figure.timing else ()
             for run in runs:
-                _known("group of the timing table", run.group, timed, f"{key}.metric")
+                _known("group of the timing table", run.group, timed, f"{key}.timing")
             return
         if number.metric is not None:
             self._vocabulary.check_metric(number.metric, runs, f"{key}.metric")

@@ -76,9 +76,12 @@ class Quantity:
 class Number(Strict):
     """A number over runs: what it is of each, and how many become one."""
 
-    metric: str | None = Field(default=None, description="of the run; also completed, diverged, cycle_time.median")
+    metric: str | None = Field(default=None, description="a metric of the run, or completed, or diverged")
     signal: str | None = Field(default=None, description="a signal, of which `take` takes a number")
     take: Takes | None = None
+    timing: Literal["mean", "median", "p99"] | None = Field(
+        default=None, description="time of one control cycle [us], of a group of the timing table"
+    )
     after: NonNegativeFloat = Field(default=0.0, description="the signal from this time on [s]")
     before: PositiveFloat | None = Field(default=None, description="the signal up to this time [s]")
     reduce: Reductions | None = Field(
@@ -90,12 +93,12 @@ class Number(Strict):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        if (self.metric is None) == (self.signal is None):
-            raise ValueError("say metric or signal")
+        if [self.metric, self.signal, self.timing].count(None) != 2:
+            raise ValueError("say metric, signal or timing")
         if (self.signal is None) != (self.take is None):
             raise ValueError("signal and take belong together")
-        if self.metric is not None and (self.after or self.before is not None):
-            raise ValueError("after and before cut signals, not metrics")
+        if self.signal is None and (self.after or self.before is not None):
+            raise ValueError("after and before cut signals")
         if self.before is not None and self.before <= self.after:
             raise ValueError("before must be later than after")
         return self
@@ -103,7 +106,8 @@ class Number(Strict):
     @property
     def quantity(self) -> Quantity:
         """What is asked of each run."""
-        return Quantity(self.metric or "", self.signal or "", self.take or "", self.after, self.before)
+        metric = f"cycle_time.{self.timing}" if self.timing else self.metric or ""
+        return Quantity(metric, self.signal or "", self.take or "", self.after, self.before)
 
 
 class Measure(Number):

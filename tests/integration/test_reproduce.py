@@ -262,8 +262,8 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     ),
     "where nothing is": ({"claims": [CLAIM | {"measures": {"a": ONE | {"where": {"seed": 9}}}}]}, ("a.where", "9")),
     "a time of nothing": (
-        {"claims": [CLAIM | {"measures": {"a": {"metric": "cycle_time.mean", "of": "real"}}}]},
-        ("claims.0.measures.a.metric", "timing table"),
+        {"claims": [CLAIM | {"measures": {"a": {"timing": "mean", "of": "real"}}}]},
+        ("claims.0.measures.a.timing", "timing table"),
     ),
     "a name that is none": ({"claims": [CLAIM | {"measures": {"a b": ONE}}]}, ("claims.0.measures", "a b")),
     "a condition of unknowns": ({"claims": [CLAIM | {"holds_if": "b < 1"}]}, ("claims.0.holds_if", "'b'")),
