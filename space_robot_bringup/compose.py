@@ -11,6 +11,7 @@ import numpy as np
 
 from space_robot_bringup.experiment import Experiment, Initial, ModelSpec, to_yaml
 from space_robot_bringup.metrics import metric_names
+from space_robot_bringup.timebase import steps_of
 from space_robot_bringup.verdict import check_expectations
 from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.registry import make_law
@@ -41,14 +42,14 @@ class Composition:
     Attributes:
         experiment: what it was made from.
         nominal: the robot the flight software believes in.
-        truth: the robot that flies.
-        header: provenance for the log.
+        truth: the robot that flies, as it starts.
+        changes: (stamp [ns], robot that flies from then on), in order.
     """
 
     experiment: Experiment
     nominal: Robot
     truth: Robot
-    header: LogHeader
+    changes: tuple[tuple[int, Robot], ...]
     _seeds: tuple[np.random.SeedSequence, ...]
     _q0: Vector
     _v0: Vector
@@ -57,6 +58,13 @@ class Composition:
     def joint_names(self) -> tuple[str, ...]:
         """Joint names in model order."""
         return self.nominal.joint_names
+
+    @property
+    def header(self) -> LogHeader:
+        """Provenance for a log; made when asked for, which a run that is not logged never does."""
+        robot = self.nominal
+        resolved = self.experiment.model_copy(update={"robot": dict(robot.resolved)})
+        return LogHeader(to_yaml(resolved), robot.urdf, self.experiment.seed, robot.joint_names, versions())
 
     def plant(self) -> Plant:
         """A new plant in its initial state."""
@@ -73,6 +81,7 @@ class Composition:
             seed=int(self._seeds[2].generate_state(1, np.uint64)[0]),
             delay_periods=spec.delay_periods,
             hold=spec.hold,
+            changes=self.changes,
         )
 
     def controller(self) -> Law:
@@ -112,11 +121,9 @@ def compose(experiment: Experiment) -> Composition:
     robot = load_robot(experiment.robot)
     nominal = _variant(robot, experiment.nominal, seeds[0], "nominal")
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
-    resolved = experiment.model_copy(update={"robot": dict(robot.resolved)})
-    header = LogHeader(to_yaml(resolved), robot.urdf, experiment.seed, robot.joint_names, versions())
     q0, v0 = _initial(experiment.initial, robot)
     _check_plant(experiment, truth)
-    composition = Composition(experiment, nominal, truth, header, seeds, q0, v0)
+    composition = Composition(experiment, nominal, truth, _changes(experiment, truth), seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
     composition.reference()
@@ -164,6 +171,14 @@ def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: s
     if spec.payload is not None:
         robot = attach_payload(robot, spec.payload)
     return robot
+
+
+def _changes(experiment: Experiment, truth: Robot) -> tuple[tuple[int, Robot], ...]:
+    capture = experiment.plant.capture
+    if capture is None:
+        return ()
+    steps = steps_of(capture.time, experiment.control_period, "plant.capture.time")
+    return ((steps * experiment.period, attach_payload(truth, capture.payload)),)
 
 
 def _initial(spec: Initial, robot: Robot) -> tuple[Vector, Vector]:

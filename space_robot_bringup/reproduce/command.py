@@ -97,6 +97,6 @@ def _fly(
     plan: Plan, figures: Sequence[str], directory: Path, order: Order, err: Console, stop: Callable[[], str | None]
 ) -> list[FlownFigure] | None:
     flights = len(plan.flights(figures))
-    with Progress(err, flights, quiet=order.as_json, what="run") as progress:
+    with Progress(err, flights, quiet=order.as_json, unit="run") as progress:
         workers = order.workers or cores()
         return reproduce(plan, figures, directory, workers=workers, on_done=progress.reach, stop=stop)

@@ -17,6 +17,8 @@ from space_robot_msgs_py.log_arrays import LogArrays
 
 PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 AXIS_FIELDS = ("value", "reference", "error")
+# Of inertial parameters; the last two are known where the law tells its estimate.
+KINDS = ("truth", "prior", "estimate", "mismatch")
 TOTALS = ("base.error", "base.position_error", "joints.error")
 # The block of a law's telemetry that holds its inertial parameters, body by body in the order of PARAMETERS.
 ESTIMATE = "parameters"
@@ -28,7 +30,8 @@ def signal_names(composition: Composition) -> tuple[list[str], bool]:
     - ``<axis>.value | reference | error``, axes as in the metrics, ``base/x`` to ``base/z`` of every robot [deg or m];
     - ``base.error`` (angle), ``joints.error`` (largest) [deg], ``base.position_error`` [m];
     - ``command.force | torque | effort``, ``controller.<label>``, ``plant.<label>``: the norm, or one element ``[i]``;
-    - ``truth | prior | estimate/<body>/<parameter>``: of the true robot, the nominal one, the law's telemetry.
+    - ``truth | prior | estimate | mismatch/<body>/<parameter>``: of the robot that flies (a capture changes it), the
+      nominal one, the law's telemetry, and estimate minus truth.
 
     A law that has no answer even to the first state shows nothing; names of its telemetry cannot be told then.
     """
@@ -43,7 +46,7 @@ def signal_names(composition: Composition) -> tuple[list[str], bool]:
         names += [label, *(f"{label}[{index}]" for index in range(size))]
     bodies = composition.nominal.body_names
     adapts = ESTIMATE in shown and shown[ESTIMATE].size == len(PARAMETERS) * len(bodies)
-    kinds = ("truth", "prior", "estimate") if adapts else ("truth", "prior")
+    kinds = KINDS if adapts else KINDS[:2]
     names += [f"{kind}/{body}/{name}" for kind in kinds for body in bodies for name in PARAMETERS]
     return names, law is not None
 
@@ -77,7 +80,7 @@ class Signals:
         """
         if name in TOTALS:
             return self._total(name)
-        if "/" in name and name.partition("/")[0] in ("truth", "prior", "estimate"):
+        if "/" in name and name.partition("/")[0] in KINDS:
             return self._parameter(*name.split("/"))
         source, _, rest = name.partition(".")
         if source in ("command", "controller", "plant"):
@@ -120,10 +123,15 @@ class Signals:
 
     def _parameter(self, kind: str, body: str, parameter: str) -> Vector:
         row, column = self.composition.nominal.body_names.index(body), PARAMETERS.index(parameter)
+        if kind == "mismatch":
+            return self._parameter("estimate", body, parameter) - self._parameter("truth", body, parameter)
         if kind == "estimate":
             return self.arrays.controller[ESTIMATE][:, row * len(PARAMETERS) + column]
-        robot = self.composition.truth if kind == "truth" else self.composition.nominal
-        return np.full(self.arrays.time.size, inertial_parameters(robot)[row, column])
+        first = self.composition.truth if kind == "truth" else self.composition.nominal
+        values = np.full(self.arrays.time.size, inertial_parameters(first)[row, column])
+        for stamp, robot in self.composition.changes if kind == "truth" else ():
+            values[self.arrays.stamp >= stamp] = inertial_parameters(robot)[row, column]
+        return values
 
 
 def norms(rows: Matrix) -> Vector:

@@ -14,7 +14,7 @@ from space_robot_bringup.reproduce.signals import signal_names
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
-LAW_SIGNALS = ("controller.", "estimate/")
+LAW_SIGNALS = ("controller.", "estimate/", "mismatch/")
 
 
 @dataclass(frozen=True, slots=True)
