@@ -5,8 +5,9 @@ from __future__ import annotations
 import string
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from keyword import iskeyword
 
-from space_robot_bringup.reproduce.expression import Condition
+from space_robot_bringup.reproduce.expression import FUNCTIONS, Condition
 from space_robot_bringup.reproduce.measures import FlownRun, Measured, reduce, select
 from space_robot_bringup.reproduce.spec import Claim, Figure
 from space_robot_msgs_py.errors import SpecError
@@ -51,8 +52,9 @@ def check_words(claim: Claim, key: str) -> None:
     if not claim.measures:
         return
     for name in claim.measures:
-        if not name.isidentifier() or name in EXTRA:
-            raise SpecError("not a usable name", key=f"{key}.measures", value=name, accepted="letters, digits, _")
+        if not name.isidentifier() or iskeyword(name) or name in (*EXTRA, *FUNCTIONS):
+            accepted = "letters, digits and _, no word of a condition"
+            raise SpecError("not a usable name", key=f"{key}.measures", value=name, accepted=accepted)
     Condition(claim.holds_if, tuple(claim.measures), f"{key}.holds_if")
     names = [*claim.measures, *EXTRA]
     try:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
 
 from space_robot_description.spec import Strict
 
@@ -16,13 +17,14 @@ Scale = Literal["linear", "log", "symlog"]
 Texts = Annotated[tuple[str, ...], Field(min_length=1)]
 # More bags than this fill a disk sooner than anybody looks at them.
 KEEP_ALL_UP_TO = 40
+MOST_RUNS = 10_000
 
 
 class SeedRange(Strict):
     """Many seeds in a row."""
 
     first: NonNegativeInt = 0
-    count: PositiveInt
+    count: Annotated[int, Field(ge=1, le=MOST_RUNS)]
 
 
 class RunGroup(Strict):
@@ -52,6 +54,15 @@ class RunGroup(Strict):
             raise ValueError(f"{min(twice)} is said twice")
         if len(set(self.seed_list)) != len(self.seed_list):
             raise ValueError("a seed stands there twice")
+        if wrong := [key for key in (*self.set, *self.sweep) if not key.strip() or "=" in key]:
+            raise ValueError(f"{wrong[0]!r} is no dotted key")
+        return self
+
+    @model_validator(mode="after")
+    def _countable(self) -> Self:
+        runs = prod(map(len, self.sweep.values())) * max(1, len(self.seed_list))
+        if runs > MOST_RUNS:
+            raise ValueError(f"at most {MOST_RUNS} runs, not {runs}")
         return self
 
 

@@ -57,9 +57,9 @@ figures:
     kind: beyond
     runs:
       real: {experiment: liu2023/fig08, set: *short}
-      sweep: {experiment: liu2023/fig08, set: *short, sweep: {controller.gains.bandwidth: [0.5, 1.5]}}
+      sweep: {experiment: liu2023/fig08, set: *short, sweep: {controller.gains.lambda: [0.5, 1.5]}}
     charts:
-      - {measure: {metric: base/roll.final_error}, x: controller.gains.bandwidth, of: [sweep], y_scale: log}
+      - {measure: {metric: base/roll.final_error}, x: controller.gains.lambda, of: [sweep], y_scale: log}
       - {measure: {metric: base/roll.settling_time, missing: skip, reduce: median}}
     tables:
       - {columns: {"error [deg]": {metric: base/roll.final_error, reduce: median}}}
@@ -249,8 +249,8 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
         ("tables.0.columns.x", "2 runs and no reduce"),
     ),
     "an unknown abscissa": (
-        {"charts": [{"measure": {"metric": "completed"}, "x": "controller.gains.bandwith"}]},
-        ("charts.0.x", "controller.gains.bandwith"),
+        {"charts": [{"measure": {"metric": "completed"}, "x": "controller.gains.lambd"}]},
+        ("charts.0.x", "controller.gains.lambd"),
     ),
     "a take without a signal": (
         {"claims": [CLAIM | {"measures": {"a": {"metric": "completed", "take": "max", "of": "real"}}}]},
@@ -265,14 +265,15 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
         {"claims": [CLAIM | {"measures": {"a": {"timing": "mean", "of": "real"}}}]},
         ("claims.0.measures.a.timing", "timing table"),
     ),
+    "a name that is a word": ({"claims": [CLAIM | {"measures": {"lambda": ONE}}]}, ("claims.0.measures", "lambda")),
     "a name that is none": ({"claims": [CLAIM | {"measures": {"a b": ONE}}]}, ("claims.0.measures", "a b")),
     "a condition of unknowns": ({"claims": [CLAIM | {"holds_if": "b < 1"}]}, ("claims.0.holds_if", "'b'")),
     "a text of unknowns": ({"claims": [CLAIM | {"found": "{b}"}]}, ("claims.0.found", "'b'")),
     "an unknown verdict": ({"claims": [CLAIM | {"verdict": "hold"}]}, ("claims.0.verdict", "holds")),
     "no reason": ({"claims": [{"paper": "p", "verdict": "not checkable"}]}, ("claims.0", "because")),
     "a run nobody can compose": (
-        {"runs": {"real": {"experiment": "liu2023/fig08", "set": {"controller.gains.bandwidth": 9}}}},
-        ("figures.8.runs.real", "controller.gains.bandwidth", "unstable"),
+        {"runs": {"real": {"experiment": "liu2023/fig08", "set": {"controller.gains.lambda": -1}}}},
+        ("figures.8.runs.real", "real cannot be flown", "lambda"),
     ),
     "two runs of one label": (
         {"runs": {"a": {"experiment": "liu2023/fig08", "seeds": [1, 2]}, "a 1": {"experiment": "liu2023/fig08"}}},

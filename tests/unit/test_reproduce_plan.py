@@ -14,7 +14,7 @@ from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan, 
 from space_robot_msgs_py.errors import SpecError
 
 HEAD = "title: T\ncitation: C\nfigures:\n"
-BANDWIDTH = "controller.gains.bandwidth"
+PERIOD = "control_period"
 
 
 def plan(folder: Path, *figures: str) -> Plan:
@@ -26,11 +26,11 @@ def plan(folder: Path, *figures: str) -> Plan:
 
 def test_sweeps_and_seeds_are_combined(tmp_path: Path) -> None:
     """One run per combination, seeds innermost, labelled by what varies."""
-    made = plan(tmp_path, f"l: {{experiment: liu2023/fig08, sweep: {{{BANDWIDTH}: [0.5, 1.0]}}, seeds: [3, 5]}}")
+    made = plan(tmp_path, f"l: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5]}}, seeds: [3, 5]}}")
     runs = made.runs["a"]["l"]
-    want = ["l bandwidth 0.5, seed 3", "l bandwidth 0.5, seed 5", "l bandwidth 1.0, seed 3", "l bandwidth 1.0, seed 5"]
+    want = [f"l control_period {period}, seed {seed}" for period in (0.25, 0.5) for seed in (3, 5)]
     assert [run.label for run in runs] == want
-    assert [run.values for run in runs][1] == {BANDWIDTH: 0.5, "seed": 5}
+    assert [run.values for run in runs][1] == {PERIOD: 0.25, "seed": 5}
     assert [run.flight.experiment.seed for run in runs] == [3, 5, 3, 5]
     assert len(made.flights(["a"])) == 4
 
@@ -39,11 +39,11 @@ def test_one_varying_key_is_told_by_its_value_alone(tmp_path: Path) -> None:
     """Labels are short: the group and the value, and the group alone for a single run."""
     groups = (
         "prior: {experiment: liu2023/fig08, set: {nominal.dispersion.eta: 0.2}, seeds: {first: 1, count: 3}}",
-        f"l: {{experiment: liu2023/fig08, sweep: {{{BANDWIDTH}: [0.5, 1.0]}}, seeds: [4]}}",
+        f"l: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5]}}, seeds: [4]}}",
         "real: {experiment: liu2023/fig08}",
     )
     labels = [run.label for group in plan(tmp_path, ", ".join(groups)).runs["a"].values() for run in group]
-    assert labels == ["prior 1", "prior 2", "prior 3", "l 0.5", "l 1.0", "real"]
+    assert labels == ["prior 1", "prior 2", "prior 3", "l 0.25", "l 0.5", "real"]
 
 
 def test_equal_runs_are_flown_once_whatever_they_are_called(tmp_path: Path) -> None:
@@ -51,7 +51,7 @@ def test_equal_runs_are_flown_once_whatever_they_are_called(tmp_path: Path) -> N
     made = plan(
         tmp_path,
         "real: {experiment: liu2023/fig08}",
-        f"sweep: {{experiment: liu2023/fig08, sweep: {{{BANDWIDTH}: [1.0, 2.0], seed: [0]}}}}",
+        f"sweep: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5], seed: [0]}}}}",
     )
     assert made.runs["a"]["real"][0].flight is made.runs["b"]["sweep"][0].flight
     assert len(made.flights(["a", "b"])) == 2
@@ -73,7 +73,7 @@ def test_different_runs_have_different_names(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "values",
     [
-        {"controller.gains.bandwidth": 1e-05},
+        {"controller.gains.anything": 1e-05},
         {"controller": {"law": "none", "gains": {}}},
         {"title": 'it\'s "quoted": $HOME # no comment'},
         {"reference.joints_deg": [90, 55, 55.5, -1]},
@@ -108,6 +108,9 @@ def test_an_experiment_beside_the_manifest_is_found(tmp_path: Path) -> None:
         ("x: {experiment: liu2023/fig08, seeds: [1, 1]}", ("figures.a.runs.x", "twice")),
         ("x: {experiment: liu2023/fig08, seeds: [-1]}", ("figures.a.runs.x.seeds.0", "-1")),
         ("x: {experiment: liu2023/fig08, sweep: {seed: []}}", ("figures.a.runs.x.sweep.seed",)),
+        ("x: {experiment: liu2023/fig08, set: {a=b: 1}}", ("figures.a.runs.x", "'a=b'")),
+        ("x: {experiment: liu2023/fig08, seeds: {count: 1000000}}", ("figures.a.runs.x.seeds", "10000")),
+        ("x: {experiment: liu2023/fig08, sweep: {duration: [1, 2]}, seeds: {count: 9999}}", ("at most 10000 runs",)),
         ("x: {experiment: liu2023/fig08, swep: {}}", ("figures.a.runs.x.swep", "sweep")),
         ("", ("figures.a.runs",)),
     ],
