@@ -93,11 +93,11 @@ def _look(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun,
     """Color, line and width where the manifest says none."""
     if _is_given(signal):
         return "black", "dotted", 1.2
-    index = panel.signals.index(signal)
+    index = [name for name in panel.signals if not _is_given(name)].index(signal)
     if len({other.label for other, _ in runs}) == 1:
         return PALETTE[index % len(PALETTE)], "solid", 1.4
     members = sum(1 for other, _ in runs if other.group == run[0].group)
-    line = LINES[(index + _nth_sweep(flown, run[0].group)) % len(LINES)]
+    line = LINES[(index + _nth_sweep(flown, runs, run[0].group)) % len(LINES)]
     return _color(flown, run), line, 1.4 if members <= SINGLY else 0.7
 
 
@@ -116,9 +116,10 @@ def _color(flown: FlownFigure, run: FlownRun) -> str:
     return PALETTE[(taken + own) % len(PALETTE)]
 
 
-def _nth_sweep(flown: FlownFigure, group: str) -> int:
-    """All sweeps have the same shades: what tells the second from the first is its line."""
-    sweeps = [label for label, runs in flown.figure.runs.items() if runs.sweep]
+def _nth_sweep(flown: FlownFigure, runs: list[FlownRun], group: str) -> int:
+    """All sweeps have the same shades: what tells the second of a panel from the first is its line."""
+    shown_groups = dict.fromkeys(run.group for run, _ in runs)
+    sweeps = [label for label in shown_groups if flown.figure.runs[label].sweep]
     return sweeps.index(group) if group in sweeps else 0
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from rich.console import Console
 
 from space_robot_bringup.reproduce.summary import Data
@@ -42,8 +44,10 @@ def _troubles(console: Console, figure: Data) -> None:
 
 
 def heading(figure: Data) -> str:
-    """What a figure is called: its number where it is one, its own name otherwise."""
-    name = f"Figure {figure['name']}" if figure["name"].isdigit() else figure["name"]
+    """What a figure is called: ``Figure 8`` for 8, ``Table 2`` for table2, its own name otherwise."""
+    table = re.fullmatch(r"table[ -]?(\d+)", figure["name"])
+    number = f"Figure {figure['name']}" if figure["name"].isdecimal() else figure["name"]
+    name = f"Table {table[1]}" if table else number
     beyond = " (beyond the paper)" if figure["kind"] == "beyond" else ""
     return f"{name}: {figure['title']}{beyond}"
 

@@ -62,11 +62,13 @@ def test_sweeps_have_shades_and_a_second_sweep_another_line() -> None:
     assert [curve.color for curve in first] == [curve.color for curve in second]
     assert {curve.line for curve in first} == {"solid"}
     assert {curve.line for curve in second} == {"dashed"}
+    assert {curve.line for curve in curves(flown(a="sweep", b="sweep"), of=["b"])} == {"solid"}
 
 
 def test_a_shared_reference_is_drawn_once() -> None:
     """What the runs are compared with is one black dotted line, named by its signal."""
-    drawn = curves(flown(a=2, b=1), signals=["x", "y.reference"])
+    drawn = curves(flown(a=2, b=1), signals=["y.reference", "x"])
+    assert {curve.line for curve in drawn} == {"dotted", "solid"}
     (reference,) = (curve for curve in drawn if curve.line == "dotted")
     assert (reference.color, reference.label) == ("black", "y.reference")
     assert len(drawn) == 4
