@@ -20,7 +20,7 @@ from space_robot_control.references.targets import check_limits
 from space_robot_control.rotations import from_rpy
 from space_robot_description.dispersion import disperse
 from space_robot_description.load import load_robot
-from space_robot_description.payload import attach_payload
+from space_robot_description.payload import attach_payload, known_part
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
@@ -119,7 +119,7 @@ def compose(experiment: Experiment) -> Composition:
             accepted="reject",
         )
     robot = load_robot(experiment.robot)
-    nominal = _variant(robot, experiment.nominal, seeds[0], "nominal")
+    nominal = _variant(robot, _believed(experiment), seeds[0], "nominal")
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
     q0, v0 = _initial(experiment.initial, robot)
     _check_plant(experiment, truth)
@@ -163,6 +163,20 @@ def _check_recorded(experiment: Experiment) -> None:
     if missing is not None:
         accepted = "one at every multiple of control_period up to the last"
         raise SpecError(f"none at {missing} ns", key="reference.stamps", value=list(spec.stamps[:3]), accepted=accepted)
+
+
+def _believed(experiment: Experiment) -> ModelSpec:
+    """What ``nominal`` says, with its payload where it says a fraction of the real one."""
+    nominal, real = experiment.nominal, experiment.plant.payload
+    if nominal.payload_known is None:
+        return nominal
+    if real is None:
+        accepted = "a plant.payload to know of"
+        raise SpecError(
+            "there is no payload", key="nominal.payload_known", value=nominal.payload_known, accepted=accepted
+        )
+    payload = known_part(real, nominal.payload_known) if nominal.payload_known else None
+    return nominal.model_copy(update={"payload": payload})
 
 
 def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: str) -> Robot:

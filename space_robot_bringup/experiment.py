@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from io import StringIO
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
 from ruamel.yaml import YAML
@@ -78,6 +78,20 @@ class PlantSpec(ModelSpec):
     sensors: SensorSpec = Field(default_factory=SensorSpec)
 
 
+class NominalSpec(ModelSpec):
+    """What the flight software believes."""
+
+    payload_known: Annotated[float, Field(ge=0.0, le=1.0)] | None = Field(
+        default=None, description="instead of payload: this fraction of the real payload's mass and inertia [-]"
+    )
+
+    @model_validator(mode="after")
+    def _one_payload(self) -> Self:
+        if self.payload is not None and self.payload_known is not None:
+            raise ValueError("say payload or payload_known, not both")
+        return self
+
+
 class Expectation(Strict):
     """What a metric should be; at least one bound."""
 
@@ -112,7 +126,7 @@ class Experiment(Strict):
     reference: ReferenceSpec
     controller: ControllerSpec = Field(default_factory=ControllerSpec)
     plant: PlantSpec = Field(default_factory=PlantSpec)
-    nominal: ModelSpec = Field(default_factory=ModelSpec, description="what the flight software believes")
+    nominal: NominalSpec = Field(default_factory=NominalSpec, description="what the flight software believes")
     expect: dict[str, Expectation] = Field(default_factory=dict, description="metric name -> bound; the verdict")
 
     @property

@@ -10,7 +10,7 @@ Like ``rotations`` on Python floats: at these sizes several times faster than on
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, remainder, sin, tau
+from math import copysign, cos, remainder, sin, tau
 
 import numpy as np
 
@@ -39,16 +39,19 @@ def euler_acceleration(reference: Reference, x: Vector, dx: Vector) -> Vector:
     return np.array((*rotate(reference.q[3:7], linear), bend[2], bend[1], bend[0], *a[6:]))
 
 
-def rates(rpy: Sequence[float], omega: Sequence[float]) -> Three:
+def rates(rpy: Sequence[float], omega: Sequence[float], smallest_cosine: float = 0.0) -> Three:
     """Return the rates of roll, pitch, yaw under a body angular velocity: the inverse of ``rotations.rpy_rates``.
 
     Args:
         rpy: roll, pitch, yaw [rad], cos(pitch) not zero.
         omega: (3,) body frame [rad/s].
+        smallest_cosine: what |cos(pitch)| counts as where it is less.
     """
     (roll, pitch, _), (wx, wy, wz) = rpy, omega
-    cr, sr = cos(roll), sin(roll)
-    dyaw = (sr * wy + cr * wz) / cos(pitch)
+    cr, sr, cp = cos(roll), sin(roll), cos(pitch)
+    if abs(cp) < smallest_cosine:
+        cp = copysign(smallest_cosine, cp)
+    dyaw = (sr * wy + cr * wz) / cp
     return wx + sin(pitch) * dyaw, cr * wy - sr * wz, dyaw
 
 

@@ -145,13 +145,15 @@ def _valid_keys(model_class: type[BaseModel], loc: tuple[str | int, ...]) -> lis
         inner = [
             model
             for candidate in candidates
-            if part in candidate.model_fields
-            for model in _models_in(candidate.model_fields[str(part)].annotation)
+            for name, field in candidate.model_fields.items()
+            if part == (field.alias or name)
+            for model in _models_in(field.annotation)
         ]
         tagged = [model for model in candidates if part in _tags(model) or part == model.__name__]
         # List indices and mapping keys change nothing: the models inside were collected with the container.
         candidates = inner or tagged or candidates
-    return list(dict.fromkeys(name for model in candidates for name in model.model_fields))
+    keys = (field.alias or name for model in candidates for name, field in model.model_fields.items())
+    return list(dict.fromkeys(keys))
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

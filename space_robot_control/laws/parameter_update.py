@@ -12,7 +12,7 @@ from space_robot_control.laws.adaptive_gains import AdaptiveGains
 from space_robot_control.laws.base import Blocks
 from space_robot_control.laws.consistency import is_consistent, natural_step, project
 from space_robot_control.laws.least_squares import RecursiveLeastSquares
-from space_robot_control.laws.limits import BaseLimits
+from space_robot_control.laws.limits import CommandLimits
 from space_robot_control.laws.regressor import PER_BODY, Regressor
 from space_robot_control.laws.wheels import gyroscopic
 from space_robot_control.rotations import from_rpy, rotate
@@ -62,7 +62,7 @@ class ParameterUpdate:
     def __init__(self, robot: Robot, regressor: Regressor, gains: AdaptiveGains, control_period: float) -> None:
         self._regressor, self._gains, self._period = regressor, gains, control_period
         self._first = 3 if robot.base_mode == "free_floating" else 0
-        self._limits = BaseLimits(robot)
+        self._limits = CommandLimits(robot)
         self.estimate: Vector = regressor.parameters
         size, rls = np.abs(regressor.parameters), gains.rls
         self._noise = np.full(6 + robot.n - self._first, rls.torque_noise)
@@ -103,7 +103,8 @@ class ParameterUpdate:
         if self._rls is None or held is None:
             return
         self._innovation = np.zeros(self._noise.size)
-        if self._limits.fits(held.wrench):
+        # The joints' efforts are measured; only what the base was told has to be believed.
+        if self._limits.fits(np.concatenate((held.wrench, np.zeros(state.effort.size)))):
             rows, values = self._rows(held, state, x, dx)
             estimate, innovation = self._rls.correct(self.estimate, rows / self._noise[:, None], values / self._noise)
             self._innovation, self._learned = innovation * self._noise, True

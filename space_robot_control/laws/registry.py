@@ -23,6 +23,8 @@ BUILT_IN = {
     "adaptive": "space_robot_control.laws.adaptive:Adaptive",
     "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
     "none": "space_robot_control.laws.hold:ZeroCommand",
+    "ntsmc": "space_robot_control.laws.ntsmc:Ntsmc",
+    "ntsmc_euler": "space_robot_control.laws.ntsmc_euler:NtsmcEuler",
 }
 
 
