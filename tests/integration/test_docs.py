@@ -18,8 +18,14 @@ from space_robot_description.validation import parse_yaml_text
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
 EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
-# Whole experiments, sections of one, and robot files (which tests/unit/test_description_docs.py loads).
-KINDS = {"experiment": "control_period", "sections": "reference", "robot": "base_mode", "model": "payload"}
+# Manifests, whole experiments, sections of one, and robot files (which tests/unit/test_description_docs.py loads).
+KINDS = {
+    "manifest": "figures",
+    "experiment": "control_period",
+    "sections": "reference",
+    "robot": "base_mode",
+    "model": "payload",
+}
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -39,9 +45,10 @@ def yaml_blocks(kind: str) -> list[str]:
 
 
 def test_every_block_is_of_a_kind_that_is_tried() -> None:
-    """No YAML on a page is left untried: each is an experiment, sections of one, a robot file or a model section."""
+    """No YAML on a page is left untried: each is a manifest, an experiment, sections of one, or for robots."""
     tried = sum(len(yaml_blocks(kind)) for kind in KINDS)
     assert tried == sum(len(blocks(page, "yaml")) for page in PAGES)
+    assert yaml_blocks("manifest")
     assert yaml_blocks("experiment")
     assert yaml_blocks("sections")
 
@@ -83,6 +90,7 @@ def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def commands() -> list[str]:
     """Every ``space-robot ...`` that a page or an example shows with its arguments."""
     shown = [found for text in PAGES.values() for found in re.findall(r"`(space-robot [a-z][^`\n]*)`", text)]
+    shown += [line.split("#")[0].strip() for page in PAGES for text in blocks(page, "sh") for line in text.splitlines()]
     return sorted(
         {*shown, *(line for text in EXAMPLES.values() for line in re.findall(r"^ +(space-robot .*)$", text, re.M))}
     )
@@ -95,6 +103,7 @@ def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command:
     for name in ("examples", "config"):
         (tmp_path / name).symlink_to(ROOT / name)
     (tmp_path / "my_robot.yaml").write_text(yaml_blocks("robot")[0], encoding="utf-8")
+    (tmp_path / "my_paper.yaml").write_text(yaml_blocks("manifest")[0], encoding="utf-8")
     words = ["liu2023/fig08" if word == "FILE" else word for word in words]
     if words[0] == "run":
         words += ["--out", "bag"]
