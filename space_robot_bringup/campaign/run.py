@@ -119,7 +119,7 @@ def run_campaign(
         done = len(book.rows)
         groups = _conclude(campaign, book, names) if done == everything else ()
     reason = "completed" if groups else reason or hooks.stop() or "interrupted"
-    return CampaignResult(directory, reason, done, everything, groups, _judge(campaign, groups), wall_time)
+    return CampaignResult(directory, reason, done, everything, groups, judge_groups(campaign, groups), wall_time)
 
 
 def _enter(book: Journal, case: Case, outcome: Flown | str) -> None:
@@ -152,8 +152,8 @@ def _conclude(campaign: Campaign, book: Journal, names: Sequence[Sequence[str]])
     return groups
 
 
-def _judge(campaign: Campaign, groups: Sequence[Group]) -> tuple[Check, ...]:
-    """A campaign is fine if some run of every point completed and its own bounds hold at every point."""
+def judge_groups(campaign: Campaign, groups: Sequence[Group]) -> tuple[Check, ...]:
+    """The verdict: some run of every point of the grid completed, and the campaign's bounds hold at every point."""
     checks = []
     for group in groups:
         where = f"{describe(group.labels)}: " if group.labels else ""

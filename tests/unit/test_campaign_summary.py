@@ -11,6 +11,8 @@ import pytest
 pytest.importorskip("scipy")
 pq = pytest.importorskip("pyarrow.parquet")
 
+from space_robot_bringup.campaign.run import judge_groups  # noqa: E402
+from space_robot_bringup.campaign.spec import Campaign  # noqa: E402
 from space_robot_bringup.campaign.summary import Rate, Spread, summarise, summary_names  # noqa: E402
 from space_robot_bringup.campaign.table import parquet  # noqa: E402
 
@@ -89,3 +91,14 @@ def test_a_table_keeps_every_number_and_says_where_there_is_none() -> None:
     assert table.column("error").to_pylist() == [third, None, None]
     assert table.column("key").to_pylist() == ["a", "2.5", None]
     assert parquet(rows, {"campaign": "text"}) == parquet(iter(rows), {"campaign": "text"})
+
+
+def test_bounds_of_a_campaign_hold_at_every_point_of_its_grid() -> None:
+    """Each point is judged by itself and named; a point of which no run completed fails whatever was expected."""
+    bounds = {"error.mean": {"max": 1.5}, "success_rate": {"min": 0.5}}
+    spec = Campaign.model_validate({"experiment": "any", "runs": 1, "expect": bounds})
+    good = summarise([row(0, 1.0), row(2, 2.0)], {"plant.hold": "last"}, ["error"], seed=0)
+    bad = summarise([row(1, 9.0, completed=False, passed=False)], {"plant.hold": "zero"}, ["error"], seed=0)
+    assert all(check.passed for check in judge_groups(spec, [good]))
+    missed = [check.name for check in judge_groups(spec, [good, bad]) if not check.passed]
+    assert missed == [f"plant.hold=zero: {name}" for name in ("completed runs", "error.mean", "success_rate")]
