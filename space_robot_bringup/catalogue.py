@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from space_robot_bringup.campaign.spec import load_campaign
+from space_robot_bringup.campaign.spec import read_campaign
 from space_robot_bringup.experiment import load_experiment
 from space_robot_description.load import load_robot
 from space_robot_description.share import shipped
@@ -24,7 +24,7 @@ def _experiment(name: str) -> str:
 
 
 def _campaign(name: str) -> str:
-    spec = load_campaign(name)
+    spec = read_campaign(name)
     return f"{spec.runs} runs: {spec.title}"
 
 

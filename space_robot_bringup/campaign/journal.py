@@ -30,7 +30,7 @@ class Row:
         columns: its row of the table.
         wall_time: [s]; not in the table, which depends on no machine.
         lost: the machinery failed, not the run; flown again by a resumed campaign.
-        trace: traceback of a run that raised what it should not.
+        trace: traceback of a run that raised what it should not, or what is known of a lost one.
     """
 
     index: int

@@ -13,8 +13,8 @@ from space_robot_bringup.campaign import journal
 from space_robot_bringup.campaign.cases import Case, check_cases, make_case, total
 from space_robot_bringup.campaign.cluster import workers_at
 from space_robot_bringup.campaign.files import guarded, write_whole
-from space_robot_bringup.campaign.fleet import fly_cases
-from space_robot_bringup.campaign.fly import Flown, Keep
+from space_robot_bringup.campaign.fleet import Lost, fly_cases
+from space_robot_bringup.campaign.fly import Flown, Keep, failure
 from space_robot_bringup.campaign.journal import Journal, Row
 from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.campaign.summary import Group, summarise, summary_names
@@ -122,14 +122,13 @@ def run_campaign(
     return CampaignResult(directory, reason, done, everything, groups, judge_groups(campaign, groups), wall_time)
 
 
-def _enter(book: Journal, case: Case, outcome: Flown | str) -> None:
-    if isinstance(outcome, str):
-        columns = {"end_reason": outcome, "completed": False, "passed": False, "failed": "completed", "ticks": 0}
-        row, bag = Row(case.index, case.columns() | columns, lost=True), {}
+def _enter(book: Journal, case: Case, outcome: Flown | Lost) -> None:
+    if isinstance(outcome, Lost):
+        columns = case.columns() | failure(outcome.reason)
+        book.append(Row(case.index, columns, lost=True, trace=outcome.detail), {})
     else:
         columns = case.columns() | dict(outcome.columns)
-        row, bag = Row(case.index, columns, outcome.wall_time, trace=outcome.trace), dict(outcome.bag)
-    book.append(row, bag)
+        book.append(Row(case.index, columns, outcome.wall_time, trace=outcome.trace), outcome.bag)
 
 
 def _metrics(composition: Composition) -> list[str]:

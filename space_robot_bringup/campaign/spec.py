@@ -92,9 +92,14 @@ def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
         SpecError: a key or value cannot be used.
     """
     path = campaign_path(name_or_path)
-    campaign = validate(Campaign, parse_yaml(path) | ({} if runs is None else {"runs": runs}), str(name_or_path))
-    campaign = _with_files(campaign, path.parent)
+    campaign = _with_files(read_campaign(name_or_path, runs), path.parent)
     return campaign.model_copy(update={"experiment": _experiment(campaign, path), "set": {}})
+
+
+def read_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
+    """The campaign as its file says it; see ``load_campaign``."""
+    data = parse_yaml(campaign_path(name_or_path))
+    return validate(Campaign, data if runs is None else data | {"runs": runs}, str(name_or_path))
 
 
 def campaign_path(name_or_path: str) -> Path:

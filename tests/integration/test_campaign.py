@@ -22,7 +22,8 @@ pq = pytest.importorskip("pyarrow.parquet")
 import dask  # noqa: E402
 from distributed import Client  # noqa: E402
 
-from space_robot_bringup.campaign.run import CampaignResult, run_campaign  # noqa: E402
+from space_robot_bringup.campaign import fleet  # noqa: E402
+from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult, run_campaign  # noqa: E402
 from space_robot_bringup.campaign.spec import load_campaign  # noqa: E402
 from space_robot_bringup.cli import main  # noqa: E402
 
@@ -209,22 +210,37 @@ def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path: Path) -> None:
     assert 2 <= finished(out) < 2000
 
 
-def test_a_scheduler_elsewhere_gives_the_same_table(flown: Path, tmp_path: Path) -> None:
-    """A scheduler and two workers, three processes that know nothing of us, fly the campaign to the same bytes."""
+def test_a_scheduler_elsewhere_gives_the_same_table(
+    flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A scheduler and two workers, processes that know nothing of us, fly it to the same bytes; lost, they end it."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
     options = ["--no-dashboard", "--dashboard-address", "127.0.0.1:0"]
     scheduler = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2]]
     worker = ["distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", *options]
-    with started(*scheduler, *options), started(*worker), started(*worker):
+    with started(*scheduler, *options) as post, started(*worker) as one, started(*worker) as two:
         with Client(address, timeout=30) as client:
             client.wait_for_workers(2, timeout=60)
         result = fly(tmp_path, "far", workers=0, scheduler=address, keep="all")
-    assert result.passed
-    assert results(tmp_path / "far") == results(flown)
-    for bag in flown.glob("runs/*/*"):
-        assert (tmp_path / "far" / bag.relative_to(flown)).read_bytes() == bag.read_bytes()
+        assert result.passed
+        assert results(tmp_path / "far") == results(flown)
+        for bag in flown.glob("runs/*/*"):
+            assert (tmp_path / "far" / bag.relative_to(flown)).read_bytes() == bag.read_bytes()
+        monkeypatch.setattr(fleet, "PATIENCE_SECONDS", 0.5)
+        monkeypatch.setattr(fleet, "FETCH_SECONDS", 2.0)
+        endless = load_campaign(str(write(tmp_path, CAMPAIGN.replace("runs: 12", "runs: 1000"))))
+
+        def end_after_a_row(name: str, *victims: subprocess.Popen[str]) -> str:
+            hooks = CampaignHooks(on_row=lambda done: [victim.kill() for victim in victims] and None)
+            ended = run_campaign(endless, tmp_path / name, workers=0, scheduler=address, hooks=hooks)
+            assert 0 < ended.done < ended.total
+            return ended.end_reason
+
+        assert "no worker is left" in end_after_a_row("no worker", one, two)
+        with started(*worker):
+            assert "the scheduler is gone" in end_after_a_row("no scheduler", post)
 
 
 def test_whatever_a_run_does_is_a_row(tmp_path: Path) -> None:
@@ -240,7 +256,7 @@ def test_whatever_a_run_does_is_a_row(tmp_path: Path) -> None:
     assert gives_up["ticks"] == 2
     assert gives_up["base/roll.max_error"] is not None
     assert buggy["end_reason"] == "bug: KeyError: 'a typo'"
-    assert deadly["end_reason"].startswith("lost: KilledWorker")
+    assert deadly["end_reason"] == "lost: KilledWorker"
     assert sorted(path.name for path in (tmp_path / "bad" / "runs").iterdir()) == ["000001", "000002"]
     journal = [json.loads(line) for line in (tmp_path / "bad" / "rows.jsonl").read_text().splitlines()[1:]]
     assert "KeyError" in next(row["trace"] for row in journal if row["index"] == 2)
