@@ -8,7 +8,6 @@ from pathlib import Path
 
 from rich.console import Console
 
-from space_robot_bringup.campaign.cases import total
 from space_robot_bringup.campaign.fly import Keep
 from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult, run_campaign
 from space_robot_bringup.campaign.spec import Campaign
@@ -52,7 +51,7 @@ def fly(
         raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
     if scheduler is None and must_compile() and not quiet:
         console.print("compiling the plant, once (about 20 s)")
-    cases = total(campaign)
+    cases = campaign.cases
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(console, cases, quiet=quiet, unit="run") as progress:
         return run_campaign(
             campaign,

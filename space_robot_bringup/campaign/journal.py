@@ -11,7 +11,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from space_robot_bringup.campaign.cases import total
 from space_robot_bringup.campaign.files import TEMPORARY, guarded, write_whole
 from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.experiment import dump_yaml
@@ -126,7 +125,7 @@ def open_journal(directory: Path, campaign: Campaign, versions: Mapping[str, str
             stream = (directory / ROWS).open("a+", encoding="utf-8")
         with stream:
             rows = _read(stream, directory, versions)
-            if any(index >= total(campaign) for index in rows):
+            if any(index >= campaign.cases for index in rows):
                 raise SpecError("fewer than were flown", key="runs", value=campaign.runs, accepted="as many or more")
             with guarded(directory):
                 write_whole(directory / CAMPAIGN, to_yaml(campaign).encode())

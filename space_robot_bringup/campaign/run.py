@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import Any
 
 from space_robot_bringup.campaign import journal
-from space_robot_bringup.campaign.cases import Case, check_cases, make_case, total
+from space_robot_bringup.campaign.cases import Case, check_cases, make_case
 from space_robot_bringup.campaign.cluster import workers_at
 from space_robot_bringup.campaign.files import guarded, write_whole
 from space_robot_bringup.campaign.fleet import Lost, fly_cases
@@ -96,15 +96,14 @@ def run_campaign(
     """
     hooks = hooks or CampaignHooks()
     journal.check_directory(directory, campaign, resume=resume)
-    firsts = check_cases(campaign)
-    names = [_metrics(composition) for composition in firsts]
-    for metrics in names:
-        check_expectations(campaign.expect, summary_names(metrics))
+    # Points may differ in their robot, and so in their metrics.
+    metrics = list(dict.fromkeys(name for composition in check_cases(campaign) for name in _metrics(composition)))
+    check_expectations(campaign.expect, summary_names(metrics))
     with (
         workers_at(scheduler, workers, make_case(campaign, 0).data) as client,
         journal.open_journal(directory, campaign, versions()) as book,
     ):
-        everything = total(campaign)
+        everything = campaign.cases
         hooks.on_ready(len(book.rows))
         began = perf_counter()
         left = (make_case(campaign, index) for index in range(everything) if index not in book.rows)
@@ -117,7 +116,7 @@ def run_campaign(
             reason = str(error)
         wall_time = perf_counter() - began
         done = len(book.rows)
-        groups = _conclude(campaign, book, names) if done == everything else ()
+        groups = _conclude(campaign, book, metrics) if done == everything else ()
     reason = "completed" if groups else reason or hooks.stop() or "interrupted"
     return CampaignResult(directory, reason, done, everything, groups, judge_groups(campaign, groups), wall_time)
 
@@ -135,13 +134,12 @@ def _metrics(composition: Composition) -> list[str]:
     return metric_names(composition.joint_names, base_translation=composition.nominal.base_mode == "free_flying")
 
 
-def _conclude(campaign: Campaign, book: Journal, names: Sequence[Sequence[str]]) -> tuple[Group, ...]:
+def _conclude(campaign: Campaign, book: Journal, metrics: Sequence[str]) -> tuple[Group, ...]:
     """Write table and summary."""
-    rows = [book.rows[index].columns for index in range(total(campaign))]
-    points = campaign.points
+    rows = [book.rows[index].columns for index in range(campaign.cases)]
     groups = tuple(
-        summarise(rows[at :: len(points)], point.labels, metrics, campaign.seed)
-        for at, (point, metrics) in enumerate(zip(points, names, strict=True))
+        summarise(rows[at :: campaign.points], campaign.point(at).labels, metrics, campaign.seed)
+        for at in range(campaign.points)
     )
     metadata = {"campaign": journal.to_yaml(campaign), "versions": json.dumps(versions(), sort_keys=True)}
     summary = {"title": campaign.title, "runs": campaign.runs, "groups": [group.to_dict() for group in groups]}

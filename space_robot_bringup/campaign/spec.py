@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any, Self
 
@@ -21,6 +21,8 @@ from space_robot_msgs_py.errors import InputFileError
 
 # Keys whose value may point at a file beside the campaign file.
 POINTING = ("robot", "reference")
+# All of them are checked before the first is flown, which takes a millisecond each, and held in memory at the end.
+MOST_CASES = 100_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,22 +64,28 @@ class Campaign(Strict):
                 raise ValueError(f"vary.{key} has no value")
             if key in self.disperse:
                 raise ValueError(f"{key} is both varied and dispersed")
+        if self.cases > MOST_CASES:
+            raise ValueError(f"{self.cases} cases; at most {MOST_CASES}")
         return self
 
     @property
-    def points(self) -> tuple[Point, ...]:
-        """All combinations of what is varied, the last key fastest; one without labels where nothing is."""
-        axes = [
-            list(values.items()) if isinstance(values, dict) else [(_label(value), value) for value in values]
-            for values in self.vary.values()
-        ]
-        return tuple(
-            Point(
-                {key: label for key, (label, _) in zip(self.vary, combination, strict=True)},
-                {key: value for key, (_, value) in zip(self.vary, combination, strict=True)},
-            )
-            for combination in product(*axes)
-        )
+    def points(self) -> int:
+        """Number of combinations of what is varied; 1 where nothing is."""
+        return prod(len(values) for values in self.vary.values())
+
+    @property
+    def cases(self) -> int:
+        """Number of runs of all points."""
+        return self.runs * self.points
+
+    def point(self, at: int) -> Point:
+        """One combination of what is varied; the last key varies fastest."""
+        labels, values = {}, {}
+        for key, choices in reversed(self.vary.items()):
+            at, which = divmod(at, len(choices))
+            labelled = list(choices.items()) if isinstance(choices, dict) else [(_label(c), c) for c in choices]
+            labels[key], values[key] = labelled[which]
+        return Point({key: labels[key] for key in self.vary}, {key: values[key] for key in self.vary})
 
 
 def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:

@@ -24,6 +24,11 @@ REFUSED: dict[str, tuple[str, tuple[str, ...]]] = {
     "an unknown key": ("dispers: {}", ("dispers", "disperse")),
     "an unknown experiment": ("experiment: liu2023/fig8", ("liu2023/fig8", "liu2023/fig08")),
     "no runs": ("runs: 0", ("runs", "0")),
+    "runs without end": ("runs: 1000000000", ("1000000000", "at most")),
+    "a grid without end": (
+        "vary: {" + ", ".join(f"plant.sensors.{n}.noise: [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]" for n in range(9)) + "}",
+        ("cases", "at most"),
+    ),
     "half a run": ("runs: 2.5", ("runs", "2.5")),
     "not YAML": ("disperse: {", ("line",)),
     "a key no experiment has": ("disperse: {initial.atitude_deg: {choice: [1]}}", ("atitude_deg", "attitude_deg")),
