@@ -51,10 +51,13 @@ def test_equal_values_and_single_ones_have_a_point_for_an_interval() -> None:
 def test_missing_numbers_and_ended_runs_are_counted_and_not_averaged() -> None:
     """Numbers come from completed runs that have them; the others are counted, and no failed run is a success."""
     rows = [row(0, 1.0), row(1, None), row(2, 3.0, passed=False), row(3, 99.0, completed=False, passed=False)]
-    group = summarise(rows, {}, ["error", "never"], seed=0)
+    rows = [one | {"never": None} for one in rows]
+    group = summarise(rows, {}, ["error", "never", "of another robot"], seed=0)
     spread = group.spreads["error"]
     assert (spread.n, spread.missing, spread.mean, spread.max, spread.worst) == (2, 1, 2.0, 3.0, 2)
-    assert group.spreads.keys() == {"error"}
+    assert group.spreads.keys() == {"error", "never"}
+    never = group.spreads["never"]
+    assert (never.n, never.missing, never.mean, never.mean_low, never.worst) == (0, 3, None, None, None)
     assert (group.success.count, group.success.n, group.completed.count) == (2, 4, 3)
     assert group.reasons == {"controller: enough": 1}
     assert group.failed == (2, 3)
