@@ -14,7 +14,8 @@ import numpy as np
 
 from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.compose import Composition, compose
-from space_robot_bringup.experiment import Experiment, experiment_from, set_key
+from space_robot_bringup.experiment import Experiment, experiment_from
+from space_robot_bringup.keys import set_key
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 # A double holds it, so every reader of JSON does.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
 
 from rich.console import Console
@@ -29,6 +30,7 @@ def fly(
     keep: Keep,
     console: Console,
     quiet: bool,
+    warn: Callable[[str], None],
 ) -> CampaignResult:
     """Fly a campaign with a progress bar; SIGINT and SIGTERM end it cleanly.
 
@@ -41,6 +43,7 @@ def fly(
         keep: whose bags to keep.
         console: for progress.
         quiet: no progress.
+        warn: told what the law warns of.
 
     Raises:
         SpaceRobotError: it cannot be flown; nothing was written.
@@ -60,5 +63,5 @@ def fly(
             scheduler=scheduler,
             resume=resume,
             keep=keep,
-            hooks=CampaignHooks(progress.begin, progress.reach, stop=lambda: stop.reason),
+            hooks=CampaignHooks(progress.begin, progress.reach, lambda: stop.reason, warn),
         )

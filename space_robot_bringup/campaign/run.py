@@ -35,11 +35,13 @@ class CampaignHooks:
         on_ready: told when the workers are ready how many rows are there already.
         on_row: told each time how many there are now.
         stop: asked often; a reason ends the campaign.
+        warn: told before the first flight what the law warns of.
     """
 
     on_ready: Callable[[int], None] = lambda done: None
     on_row: Callable[[int], None] = lambda done: None
     stop: Callable[[], str | None] = lambda: None
+    warn: Callable[[str], None] = lambda warning: None
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,9 +98,12 @@ def run_campaign(
     """
     hooks = hooks or CampaignHooks()
     journal.check_directory(directory, campaign, resume=resume)
+    firsts = check_cases(campaign)
     # Points may differ in their robot, and so in their metrics.
-    metrics = list(dict.fromkeys(name for composition in check_cases(campaign) for name in _metrics(composition)))
+    metrics = list(dict.fromkeys(name for composition in firsts for name in _metrics(composition)))
     check_expectations(campaign.expect, summary_names(metrics))
+    for warning in dict.fromkeys(warning for composition in firsts for warning in composition.review().warnings):
+        hooks.warn(warning)
     with (
         workers_at(scheduler, workers, make_case(campaign, 0).data) as client,
         journal.open_journal(directory, campaign, versions()) as book,

@@ -12,7 +12,8 @@ from typing import Any, Self
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
 from space_robot_bringup.campaign.draws import Draw
-from space_robot_bringup.experiment import Expectation, experiment_from, experiment_path, located, set_key
+from space_robot_bringup.experiment import Expectation, experiment_from, experiment_path, located
+from space_robot_bringup.keys import set_key
 from space_robot_description.load import load_robot
 from space_robot_description.share import config_dir, is_file, shipped
 from space_robot_description.spec import Strict

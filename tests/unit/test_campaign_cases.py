@@ -12,7 +12,8 @@ from space_robot_bringup.campaign.cases import check_cases, make_case
 from space_robot_bringup.campaign.draws import Draw
 from space_robot_bringup.campaign.journal import to_yaml
 from space_robot_bringup.campaign.spec import Campaign, load_campaign
-from space_robot_bringup.experiment import load_experiment, set_key
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.keys import set_key
 from space_robot_control.rotations import from_rpy, log, matrix
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
