@@ -221,8 +221,12 @@ def test_a_scheduler_elsewhere_gives_the_same_table(
     scheduler = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2]]
     worker = ["distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", *options]
     with started(*scheduler, *options) as post, started(*worker) as one, started(*worker) as two:
-        with Client(address, timeout=30) as client:
-            client.wait_for_workers(2, timeout=60)
+
+        def wait_for_workers(count: int) -> None:
+            with Client(address, timeout=30) as client:
+                client.wait_for_workers(count, timeout=60)
+
+        wait_for_workers(2)
         result = fly(tmp_path, "far", workers=0, scheduler=address, keep="all")
         assert result.passed
         assert results(tmp_path / "far") == results(flown)
@@ -240,6 +244,7 @@ def test_a_scheduler_elsewhere_gives_the_same_table(
 
         assert "no worker is left" in end_after_a_row("no worker", one, two)
         with started(*worker):
+            wait_for_workers(1)
             assert "the scheduler is gone" in end_after_a_row("no scheduler", post)
 
 
