@@ -176,6 +176,7 @@ def campaign(
         keep=cast("Keep", keep),
         console=err,
         quiet=as_json,
+        warn=_warn,
     )
     if as_json:
         print(json.dumps(show.as_dict(spec.title, result), allow_nan=False))

@@ -9,18 +9,23 @@ from pathlib import Path
 
 import pytest
 
+from space_robot_bringup.campaign.cases import check_cases, make_case
+from space_robot_bringup.campaign.fly import fly_case
+from space_robot_bringup.campaign.spec import load_campaign
 from space_robot_bringup.cli import main
 from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import experiment_from, load_experiment
+from space_robot_bringup.experiment import dump_yaml, experiment_from, load_experiment
 from space_robot_bringup.run import run_experiment
 from space_robot_description.validation import parse_yaml_text
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
 EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
-# Manifests, whole experiments, sections of one, and robot files (which tests/unit/test_description_docs.py loads).
+# Manifests, campaigns, experiments, sections of them, and robot files (which tests/unit/test_description_docs.py loads).
 KINDS = {
     "manifest": "figures",
+    "campaign": "runs",
+    "dispersions": "disperse",
     "experiment": "control_period",
     "sections": "reference",
     "robot": "base_mode",
@@ -45,7 +50,7 @@ def yaml_blocks(kind: str) -> list[str]:
 
 
 def test_every_block_is_of_a_kind_that_is_tried() -> None:
-    """No YAML on a page is left untried: each is a manifest, an experiment, sections of one, or for robots."""
+    """No YAML on a page is left untried: each is a file, or sections of one, of a kind that is tried."""
     tried = sum(len(yaml_blocks(kind)) for kind in KINDS)
     assert tried == sum(len(blocks(page, "yaml")) for page in PAGES)
     assert yaml_blocks("manifest")
@@ -67,6 +72,20 @@ def test_sections_fit_an_experiment(text: str) -> None:
     base = {"robot": "mini", "control_period": 0.1, "duration": 1.0}
     experiment = experiment_from(base | parse_yaml_text(text, "docs"), "docs")
     assert compose(experiment).experiment.reference.kind in text
+
+
+def test_campaigns_and_their_sections_can_be_flown(tmp_path: Path) -> None:
+    """A campaign copied from a page, and sections copied into it, have cases that compose; one of them flies."""
+    (whole,) = yaml_blocks("campaign")
+    parts = yaml_blocks("dispersions")
+    assert parts
+    for text in (whole, *parts):
+        path = tmp_path / "copied.yaml"
+        data = parse_yaml_text(whole, "docs") | {"runs": 3, "expect": {}} | parse_yaml_text(text, "docs")
+        path.write_text(dump_yaml(data), encoding="utf-8")
+        assert check_cases(load_campaign(str(path)))
+    flown = fly_case(make_case(load_campaign(str(path)), 0).data, "copied", "none")
+    assert flown.columns["completed"], flown.columns
 
 
 def test_overrides_on_the_pages_work() -> None:
