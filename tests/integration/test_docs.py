@@ -21,7 +21,7 @@ from space_robot_description.validation import parse_yaml_text
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
 EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
-# Manifests, campaigns, experiments, sections of them, and robot files (which tests/unit/test_description_docs.py loads).
+# Manifests, campaigns, experiments, sections of those, robot files (which tests/unit/test_description_docs.py loads).
 KINDS = {
     "manifest": "figures",
     "campaign": "runs",
