@@ -76,7 +76,7 @@ def _claim(console: Console, claim: Data) -> None:
     console.print()
     for measure in claim["measures"].values():
         if measure["without"]:
-            line = f"    {len(measure['without'])} of {measure['runs']} runs lack {measure['meaning']}"
+            line = f"    {len(measure['without'])} of {measure['runs']} runs lack {measure['quantity']}"
             console.print(f"{line}; missing: {measure['missing']}", markup=False, soft_wrap=True)
     if claim["because"]:
         console.print(f"    {claim['because']}", style="dim", markup=False, soft_wrap=True)

@@ -80,6 +80,7 @@ def _measure(measure: Measure, measured: Measured) -> Data:
     where = "".join(f", {key} = {value}" for key, value in measure.where.items())
     meaning = f"{measure.quantity} of {', '.join(measure.groups)}{where}"
     return {
+        "quantity": str(measure.quantity),
         "meaning": f"{measure.reduce}: {meaning}" if measure.reduce else meaning,
         "value": measured.value,
         "runs": measured.runs,
