@@ -106,10 +106,15 @@ def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         exec(compile(text, "docs", "exec"), {})
 
 
+def shell_lines(page: str) -> list[str]:
+    """The commands of a page's shell blocks, without remarks."""
+    return [line.split("#")[0].strip() for text in blocks(page, "sh") for line in text.splitlines()]
+
+
 def commands() -> list[str]:
-    """Every ``space-robot ...`` that a page or an example shows with its arguments."""
+    """Every ``space-robot ...`` that a page or an example shows with arguments; those of campaigns need an order."""
     shown = [found for text in PAGES.values() for found in re.findall(r"`(space-robot [a-z][^`\n]*)`", text)]
-    shown += [line.split("#")[0].strip() for page in PAGES for text in blocks(page, "sh") for line in text.splitlines()]
+    shown += [line for page in PAGES if page != "campaigns.md" for line in shell_lines(page)]
     return sorted(
         {*shown, *(line for text in EXAMPLES.values() for line in re.findall(r"^ +(space-robot .*)$", text, re.M))}
     )
@@ -131,3 +136,17 @@ def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command:
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 0
+
+
+def test_commands_of_the_campaign_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly, go on, and fly one case again; schedulers on other machines are tried in test_campaign.py."""
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("campaigns.md") if line.startswith("space-robot") and "tcp:" not in line]
+    assert len(lines) == 3
+    for line in lines:
+        words = shlex.split(line.replace("FILE", "fig08_dispersed"))
+        words += ["--runs", "3"] if "campaign" in words else ["--mode", "headless"]
+        monkeypatch.setattr(sys, "argv", words)
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 0, line
