@@ -21,7 +21,9 @@ GROUP = "space_robot.laws"
 PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
     "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
+    "mfac": "space_robot_control.laws.mfac:ModelFree",
     "none": "space_robot_control.laws.hold:ZeroCommand",
+    "pd": "space_robot_control.laws.pd:ProportionalDerivative",
 }
 
 

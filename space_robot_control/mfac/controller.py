@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,26 +12,26 @@ from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Weights:
     """The numbers of the law.
 
     Attributes:
-        rho: rho_1 .. rho_{Ly+Lu} [-]; rho_{Ly+1} weighs the error.
-        kappa: lambda = kappa phi^2 (matrix: kappa phi^T phi), free of units; at 0 the law is dead-beat.
+        rho: rho_1 .. rho_{Ly+Lu} [-]; rho_{Ly+1} weighs the error and may be (m,), one per output.
+        kappa: lambda = kappa phi^2, free of units; as a matrix phi^T kappa phi, one number or (m,); 0: dead-beat.
         control: lambda itself, in the squared units of phi; the two add up.
     """
 
-    rho: tuple[float, ...]
-    kappa: float = 0.0
+    rho: tuple[float | Vector, ...]
+    kappa: float | Vector = 0.0
     control: float = 0.0
 
 
 class IncrementalController:
     """u(k) = u(k-1) + (lambda + phi^T phi)^-1 phi^T [rho (y* - y) - sum rho_i phi_i dy - sum rho_i phi_i du].
 
-    phi = phi_{Ly+1} is the derivative by the input; the first sum runs over the Ly increments of the outputs, the second
-    over the Lu - 1 earlier increments of the input.
+    phi = phi_{Ly+1} is the derivative by the input; the first sum runs over the Ly increments of the outputs, the
+    second over the Lu - 1 earlier increments of the input.
 
     The increment is kept in two parts: what answers the error adds up to an integral, what answers increments adds up
     to a proportional part. At its limit a channel freezes the integral that would push it further and keeps the
@@ -76,11 +75,6 @@ class IncrementalController:
         """(m,) du(k), between commands within the limits."""
         return self._du[0]
 
-    def preset(self, command: Vector) -> None:
-        """Take over from somebody else whose last command this was, without a jump."""
-        self._integral, self._proportional = np.array(command), np.zeros(self._limit.size)
-        self._command = np.clip(command, -self._limit, self._limit)
-
     def update(self, error: Vector, dy: Vector, gradient: PseudoGradient) -> Vector:
         """Return u(k) (m,).
 
@@ -94,20 +88,20 @@ class IncrementalController:
         """
         self._dy.appendleft(np.array(dy))
         ly, rho = self._orders[0], self._weights.rho
-        past = np.zeros(error.size)
+        past: Vector = np.zeros(error.size)
         for i in range(ly):
-            past += rho[i] * gradient.block(i) @ self._dy[i]
+            past = past + np.multiply(rho[i], gradient.block(i) @ self._dy[i])
         for i in range(1, self._orders[1]):
-            past += rho[ly + i] * gradient.block(ly + i) @ self._du[i - 1]
+            past = past + np.multiply(rho[ly + i], gradient.block(ly + i) @ self._du[i - 1])
         step = self._solve(gradient.block(ly), np.column_stack([rho[ly] * error, -past]))
         self._accumulate(step[:, 0], step[:, 1])
         return self._command
 
     def _solve(self, phi: Vector, wanted: Vector) -> Vector:
-        square = phi.T @ phi
-        weighted = (1.0 + self._weights.kappa) * square + self._weights.control * np.eye(square.shape[0])
+        share = np.broadcast_to(1.0 + np.asarray(self._weights.kappa), self._limit.shape)
+        weighted = (phi.T * share) @ phi + self._weights.control * np.eye(self._limit.size)
         try:
-            step: Vector = np.linalg.solve(weighted, phi.T @ wanted)
+            step: Vector = np.array(np.linalg.solve(weighted, phi.T @ wanted))
         except np.linalg.LinAlgError:
             raise ControlError("lambda + phi^T phi has no inverse", key="phi", value=phi.tolist()) from None
         if not np.isfinite(step).all():
@@ -125,7 +119,8 @@ class IncrementalController:
         self._command, self.saturated = command, outside
 
 
-def held_weights(output_order: int, input_order: int, error: float, kappa: float, control: float) -> Weights:
+def weights_of(
+    output_order: int, input_order: int, error: float | Vector, kappa: float | Vector, control: float
+) -> Weights:
     """Weights that are 1 for every past increment and ``error`` for y* - y."""
-    rho: Sequence[float] = [1.0] * output_order + [error] + [1.0] * (input_order - 1)
-    return Weights(tuple(rho), kappa, control)
+    return Weights((*[1.0] * output_order, error, *[1.0] * (input_order - 1)), kappa, control)

@@ -28,6 +28,7 @@ class GatedFilter:
         rate: (m,) per second.
         refused: (m,) number of samples refused so far.
         missing: (m,) True where the last sample was refused.
+        sample: (m,) the last sample, or the prediction in its place.
 
     Reference: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001, sec. 6.5.
     """
@@ -41,7 +42,7 @@ class GatedFilter:
     def reset(self) -> None:
         """Forget the past; the next finite sample is believed."""
         m = self._gate.size
-        self.value, self.rate = np.zeros(m), np.zeros(m)
+        self.value, self.rate, self.sample = np.zeros(m), np.zeros(m), np.zeros(m)
         self.refused, self._in_a_row = np.zeros(m), np.full(m, np.inf)
         self.missing = np.zeros(m, dtype=bool)
 
@@ -58,6 +59,7 @@ class GatedFilter:
         anew = finite & (self._in_a_row >= self._patience)
         taken = finite & ~anew & (np.abs(innovation) <= self._gate)
         self.missing = ~(taken | anew)
+        self.sample = predicted + np.where(self.missing, 0.0, innovation)
         self.value = predicted + np.where(anew, innovation, np.where(taken, self._g * innovation, 0.0))
         self.rate = np.where(anew, 0.0, self.rate + np.where(taken, self._h * innovation, 0.0))
         # Before its first finite sample a channel has refused nothing, it has not begun.

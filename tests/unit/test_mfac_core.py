@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.mfac.controller import IncrementalController, Weights, held_weights
+from space_robot_control.mfac.controller import IncrementalController, Weights, weights_of
 from space_robot_control.mfac.estimator import PseudoGradient
 from space_robot_control.mfac.initial import ResponseFit
 from space_robot_control.mfac.measurement import GatedFilter
@@ -43,7 +43,7 @@ def test_without_lambda_the_law_is_dead_beat_in_one_step(m: int, ly: int, lu: in
     rng = np.random.default_rng(1)
     phi = random_gradient(rng, m, ly, lu)
     plant, gradient = LinearPlant(phi, ly, lu), PseudoGradient(phi, ly, lu, sigma=0.0, beta=1.0)
-    law = IncrementalController(held_weights(ly, lu, 1.0, 0.0, 0.0), ly, lu, np.full(m, np.inf))
+    law = IncrementalController(weights_of(ly, lu, 1.0, 0.0, 0.0), ly, lu, np.full(m, np.inf))
     for _ in range(10):
         target = rng.normal(size=m)
         plant.step(law.update(target - plant.y, plant.dy, gradient))
@@ -55,10 +55,10 @@ def test_lambda_shares_out_the_step() -> None:
     for gain in (1e-4, 1.0, 1e3):
         phi = np.array([[0.0, 0.0, gain]])
         plant, gradient = LinearPlant(phi, 2, 1), PseudoGradient(phi, 2, 1, sigma=0.0, beta=1.0)
-        law = IncrementalController(held_weights(2, 1, 1.0, 4.0, 0.0), 2, 1, np.array([np.inf]))
+        law = IncrementalController(weights_of(2, 1, 1.0, 4.0, 0.0), 2, 1, np.array([np.inf]))
         plant.step(law.update(np.array([1.0]), plant.dy, gradient))
         assert plant.y[0] == pytest.approx(0.2, rel=1e-12)
-        same = IncrementalController(held_weights(2, 1, 1.0, 0.0, 4.0 * gain**2), 2, 1, np.array([np.inf]))
+        same = IncrementalController(weights_of(2, 1, 1.0, 0.0, 4.0 * gain**2), 2, 1, np.array([np.inf]))
         np.testing.assert_allclose(same.update(np.array([1.0]), np.zeros(1), gradient), law.command, rtol=1e-12)
 
 
@@ -105,7 +105,7 @@ def test_a_frozen_estimate_stays() -> None:
 def test_a_full_matrix_of_independent_channels_is_the_channels() -> None:
     """The matrix law on a diagonal Phi gives, channel by channel, what the one-channel law gives."""
     gains, rng = np.array([0.5, 2.0, 7.0]), np.random.default_rng(4)
-    weights, limit = held_weights(2, 1, 0.3, 3.0, 0.0), np.array([0.4, 1.0, 0.2])
+    weights, limit = weights_of(2, 1, 0.3, 3.0, 0.0), np.array([0.4, 1.0, 0.2])
     first = np.hstack([np.eye(3), np.zeros((3, 3)), np.diag(gains)])
     joint = IncrementalController(weights, 2, 1, limit)
     matrix = PseudoGradient(first, 2, 1, sigma=0.0, beta=1.0)
@@ -121,7 +121,7 @@ def test_a_full_matrix_of_independent_channels_is_the_channels() -> None:
 def test_the_limit_freezes_the_integral_and_keeps_the_proportional_part() -> None:
     """After a long time at the limit the command leaves it as soon as the proportional part says so."""
     gradient = PseudoGradient(np.array([[1.0, 0.0, 1.0]]), 2, 1, sigma=0.0, beta=1.0)
-    law = IncrementalController(held_weights(2, 1, 0.1, 0.0, 0.0), 2, 1, np.array([1.0]))
+    law = IncrementalController(weights_of(2, 1, 0.1, 0.0, 0.0), 2, 1, np.array([1.0]))
     law.update(np.array([5.0]), np.array([-5.0]), gradient)
     for _ in range(100):
         assert law.update(np.array([5.0]), np.zeros(1), gradient)[0] == 1.0
@@ -137,7 +137,7 @@ def test_a_channel_without_effect_is_an_error() -> None:
     with pytest.raises(SpecError, match="Ly"):
         IncrementalController(Weights((1.0,)), 2, 1, np.array([1.0]))
     gradient = PseudoGradient(np.array([[1.0, 0.0, 1.0]]), 2, 1, sigma=0.0, beta=1.0)
-    law = IncrementalController(held_weights(2, 1, 1.0, 1.0, 0.0), 2, 1, np.array([1.0]))
+    law = IncrementalController(weights_of(2, 1, 1.0, 1.0, 0.0), 2, 1, np.array([1.0]))
     with pytest.raises(ControlError, match="finite"):
         law.update(np.array([np.nan]), np.zeros(1), gradient)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.mfac.controller import IncrementalController, held_weights
+from space_robot_control.mfac.controller import IncrementalController, weights_of
 from space_robot_control.mfac.estimator import PseudoGradient
 from space_robot_control.mfac.stability import spectral_radius, stability_map
 
@@ -14,7 +14,7 @@ def peaks(ratio: float, rho: float, delay: int, lead: float | None, periods: int
     """Largest |[y, T y']| in the first and the last twentieth of a flight of the law, its commands held."""
     phi = [2.0, -1.0, 1.0] if lead is None else [1.0, 0.0, lead + 0.5]
     gradient = PseudoGradient(np.array([phi]), 2, 1, sigma=0.0, beta=1.0)
-    law = IncrementalController(held_weights(2, 1, rho, 1.0 / ratio, 0.0), 2, 1, np.array([np.inf]))
+    law = IncrementalController(weights_of(2, 1, rho, 1.0 / ratio, 0.0), 2, 1, np.array([np.inf]))
     y, v, before, waiting, sizes = 1.0, 0.0, 1.0, 0.0, []
     for _ in range(periods):
         out = y + (lead or 0.0) * v
