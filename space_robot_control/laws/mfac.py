@@ -19,6 +19,7 @@ from space_robot_control.mfac.excitation import Pulses, Push
 from space_robot_control.mfac.initial import Response, ResponseFit
 from space_robot_control.mfac.mapping import Mapping, Scales
 from space_robot_description.robot import Robot
+from space_robot_description.spec import expand
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
@@ -65,7 +66,7 @@ class ModelFree(Law):
         initial, m = self.gains.initial, self.channels.size
         self._fit = ResponseFit(control_period, m, diagonal=initial.source == "push")
         ticks = max(1, round(initial.seconds / control_period))
-        size = initial.level * self._limit
+        size = self._limit * expand(initial.level, self.channels.names, "controller.gains.initial.level")
         self._excitation: Push | Pulses | None = None
         if initial.source != "nominal":
             pulses = initial.source == "pulses"

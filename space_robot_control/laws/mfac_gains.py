@@ -34,7 +34,9 @@ class InitialSpec(Strict):
         "(19)-(22); pulses: the full matrix from one pulse train per input",
     )
     seconds: PositiveFloat = Field(default=5.0, description="length of the push, or of each pulse train [s]")
-    level: Share = Field(default=1.0, description="share of the limit to push with [-]")
+    level: Share | dict[str, Share] = Field(
+        default=1.0, description="share of the limit to push with, one number or by channel [-]"
+    )
     trust: PositiveFloat = Field(
         default=0.5, description="largest relative deviation of a fitted gain that is used; above, the nominal one [-]"
     )
