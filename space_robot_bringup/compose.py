@@ -9,9 +9,11 @@ from math import radians
 
 import numpy as np
 
-from space_robot_bringup.experiment import Experiment, Initial, ModelSpec, to_yaml
-from space_robot_bringup.metrics import metric_names
-from space_robot_bringup.verdict import check_expectations
+from space_robot_bringup.experiment import Experiment, Initial, to_yaml
+from space_robot_bringup.metrics import axis_names, metric_names
+from space_robot_bringup.plant_spec import ModelSpec
+from space_robot_bringup.plants import PLANTS
+from space_robot_bringup.verdict import check_bands, check_expectations
 from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.registry import make_law
 from space_robot_control.references.make import make_reference
@@ -25,8 +27,7 @@ from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.log_header import LogHeader
-from space_robot_sim.sensors import Sensors
-from space_robot_sim.spec import fixed_steps, method
+from space_robot_sim.initial import InitialState
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
@@ -60,20 +61,9 @@ class Composition:
 
     def plant(self) -> Plant:
         """A new plant in its initial state."""
-        # Only here: whoever needs no plant need not wait for its compiler.
-        from space_robot_sim.plant import InitialState, SimulatedRobot
-
-        spec = self.experiment.plant
-        return SimulatedRobot(
-            self.truth,
-            control_period=self.experiment.period,
-            initial=InitialState(self._q0, self._v0),
-            integrator=spec.integrator,
-            sensors=spec.sensors,
-            seed=int(self._seeds[2].generate_state(1, np.uint64)[0]),
-            delay_periods=spec.delay_periods,
-            hold=spec.hold,
-        )
+        spec, seed = self.experiment.plant, int(self._seeds[2].generate_state(1, np.uint64)[0])
+        initial = InitialState(self._q0, self._v0)
+        return PLANTS[spec.kind].make(spec, self.truth, self.experiment.period, initial, seed)
 
     def controller(self) -> Law:
         """A new controller; it gets the nominal robot and nothing else."""
@@ -115,10 +105,11 @@ def compose(experiment: Experiment) -> Composition:
     resolved = experiment.model_copy(update={"robot": dict(robot.resolved)})
     header = LogHeader(to_yaml(resolved), robot.urdf, experiment.seed, robot.joint_names, versions())
     q0, v0 = _initial(experiment.initial, robot)
-    _check_plant(experiment, truth)
+    PLANTS[experiment.plant.kind].check(experiment.plant, truth, experiment.period)
     composition = Composition(experiment, nominal, truth, header, seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
+    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
     composition.reference()
     _check_recorded(experiment)
     composition.controller()
@@ -134,16 +125,6 @@ def versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             found[name] = "absent"
     return found
-
-
-def _check_plant(experiment: Experiment, truth: Robot) -> None:
-    """What the plant would refuse, without waiting for its compiler."""
-    spec, motors = experiment.plant, truth.actuators.joints
-    roughness = [expand(part, truth.joint_names, "joints") for part in (motors.lag, motors.viscous, motors.coulomb)]
-    kind = method(spec.integrator, rough=bool(np.any(roughness)))
-    if kind != "dop853_adaptive":
-        fixed_steps(spec.integrator, kind, experiment.period)
-    Sensors(spec.sensors, truth.n, experiment.period, seed=0)
 
 
 def _check_recorded(experiment: Experiment) -> None:

@@ -119,7 +119,13 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
     checks: tuple[Check, ...] = ()
     if ticks:
         flying = composition.nominal.base_mode == "free_flying"
-        metrics = measure(ticks, composition.joint_names, base_translation=flying)
+        metrics = measure(
+            ticks,
+            composition.joint_names,
+            base_translation=flying,
+            prismatic=composition.nominal.prismatic,
+            bands=composition.experiment.settling_bands,
+        )
         checks = judge(metrics, composition.experiment.expect, reason)
     return RunResult(directory, reason, metrics, checks, wall_time)
 

@@ -1,0 +1,55 @@
+"""The plant section of an experiment: one typed model per kind of plant, told apart by ``kind``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag
+
+from space_robot_description.dispersion import Dispersion
+from space_robot_description.payload import Payload
+from space_robot_description.spec import Strict
+from space_robot_sim.grasp.spec import AirbearingSpec
+from space_robot_sim.spec import IntegratorSpec, SensorSpec
+
+
+class ModelSpec(Strict):
+    """How a model differs from the robot file."""
+
+    payload: Payload | None = Field(default=None, description="rigid payload")
+    dispersion: Dispersion | None = Field(default=None, description="random deviation of its parameters, seeded")
+
+
+class PlantTiming(ModelSpec):
+    """What every plant has: a true robot, and commands that come late or not at all."""
+
+    delay_periods: Literal[0, 1] = Field(
+        default=0, description="a command acts in the period of its state, or the next"
+    )
+    hold: Literal["last", "zero"] = Field(default="last", description="what acts when no usable command is there")
+
+
+class PlantSpec(PlantTiming):
+    """What the real robot does: the truth. An articulated robot in free space."""
+
+    kind: Literal["articulated"] = "articulated"
+    integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
+    sensors: SensorSpec = Field(default_factory=SensorSpec)
+
+
+class AirbearingPlant(PlantTiming, AirbearingSpec):
+    """A testbed on air bearings: two bodies, a grasp that slips, cameras."""
+
+    kind: Literal["airbearing"] = "airbearing"
+
+
+def _kind(plant: Any) -> str:
+    """``kind``, or the default where a file says none."""
+    said = plant.get("kind", "articulated") if isinstance(plant, Mapping) else getattr(plant, "kind", "articulated")
+    return str(said)
+
+
+AnyPlant = Annotated[
+    Annotated[PlantSpec, Tag("articulated")] | Annotated[AirbearingPlant, Tag("airbearing")], Discriminator(_kind)
+]
