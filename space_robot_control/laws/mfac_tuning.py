@@ -15,8 +15,8 @@ from space_robot_description.spec import expand
 from space_robot_msgs_py.interfaces import Vector
 
 DEFAULT_LEAD_PERIODS = 10.0
-# A smaller first error than this would ask for an infinitely fast loop [m or rad].
-SMALLEST_STEP = 1e-3
+# A channel that starts at its target has no step to size its loop by; it gets this time scale [control periods].
+SHORTEST_TAU = 60.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -54,9 +54,9 @@ def adjusted(gain: Vector, limit: Vector, error: Vector, period: float) -> Tunin
         error: (m,) at the beginning.
         period: T [s].
     """
-    tau = np.sqrt(np.maximum(np.abs(error), SMALLEST_STEP) / (np.abs(gain) * limit))
+    tau = np.maximum(np.sqrt(np.abs(error) / (np.abs(gain) * limit)), SHORTEST_TAU * period)
     kappa = np.maximum(tau / (3.0 * period) - 1.0, 1.0)
-    return Tuning(np.maximum(0.65 * tau, period), kappa, 0.25 / (1.0 + kappa))
+    return Tuning(0.65 * tau, kappa, 0.25 / (1.0 + kappa))
 
 
 def review(gains: MfacGains, channels: Channels, chosen: Tuning, response: Vector, period: float) -> Review:

@@ -55,7 +55,7 @@ class GraspTelemetry:
         q, rates = motion[7 : 7 + n], motion[13 + n :]
         offsets = float(q[i]), float(q[j])
         forces = self._grasp.forces(*offsets, float(rates[i]), float(rates[j]), float(rates[k]), bristle)
-        saturated = np.concatenate([(np.abs(acting[:6]) > limit) & (limit > 0.0), np.zeros(n, dtype=bool)])
+        saturated = np.concatenate([(np.abs(acting[:6]) >= limit) & (limit > 0.0), np.zeros(n, dtype=bool)])
         ignored = acting[:6][limit == 0.0].any() or acting[6:].any()
         return Telemetry.of(
             stamp,

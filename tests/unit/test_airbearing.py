@@ -50,10 +50,10 @@ def yaw(sample: PlantSample) -> float:
 
 
 def test_the_books_balance_to_the_bounds_of_every_run() -> None:
-    """Pushed, slipping and disturbed, the testbed keeps momentum and energy to 1e-9 of what was booked."""
+    """Pushed, slipping and disturbed, the testbed keeps momentum to 1e-9 and energy to 1e-8 of what was booked."""
     commands = [push(0.1 * np.sign(np.cos(0.05 * k)), 0.1 * np.sign(np.cos(0.07 * k))) for k in range(600)]
     samples = fly(bench(), commands)
-    for label, bound in (("momentum_residual", 1e-9), ("energy_residual", 1e-9), ("quaternion_residual", 1e-12)):
+    for label, bound in (("momentum_residual", 1e-9), ("energy_residual", 1e-8), ("quaternion_residual", 1e-12)):
         assert max(sample.telemetry[label].max() for sample in samples) < bound
     assert max(abs(sample.telemetry["true_configuration"][9]) for sample in samples) > np.radians(1.5)
 
