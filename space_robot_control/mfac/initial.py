@@ -15,7 +15,8 @@ class Response:
 
     Attributes:
         gain: (m, m) B.
-        deviation: (m, m) one standard deviation of each entry of B, from the residual of the fit.
+        deviation: (m, m) one standard deviation of each entry of B, from the residual of the fit and its correlation.
+            It knows noise and what the samples contradict, not a body that answers as if it were lighter.
     """
 
     gain: Vector
@@ -86,6 +87,11 @@ def _least_squares(rows: Vector, y: Vector) -> tuple[Vector, Vector]:
         return np.zeros(rows.shape[1]), np.full(rows.shape[1], np.inf)
     scaled = rows / size
     coefficients = np.linalg.lstsq(scaled, y, rcond=None)[0]
-    variance = float(np.sum((y - scaled @ coefficients) ** 2)) / freedom
+    residual = y - scaled @ coefficients
+    variance = float(residual @ residual) / freedom
+    # Neighbouring residuals that are alike count as fewer samples: what the model misses is no white noise.
+    alike = float(residual[1:] @ residual[:-1]) / max(float(residual @ residual), np.finfo(np.float64).tiny)
+    alike = min(max(alike, 0.0), 0.99)
+    variance *= (1.0 + alike) / (1.0 - alike)
     spread = np.sqrt(variance * np.diag(np.linalg.inv(scaled.T @ scaled)))
     return coefficients / size, spread / size
