@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag
 from space_robot_description.dispersion import Dispersion
 from space_robot_description.payload import Payload
 from space_robot_description.spec import Strict
-from space_robot_sim.grasp.spec import AirbearingSpec
+from space_robot_sim.grasp.spec import AirbearingSpec, CapturedSpec
 from space_robot_sim.spec import IntegratorSpec, SensorSpec
 
 
@@ -44,6 +44,12 @@ class AirbearingPlant(PlantTiming, AirbearingSpec):
     kind: Literal["airbearing"] = "airbearing"
 
 
+class CapturedPlant(PlantTiming, CapturedSpec):
+    """A robot in space that has captured debris in a grasp that slips (a combined spacecraft after capture)."""
+
+    kind: Literal["pccs"] = "pccs"
+
+
 def _kind(plant: Any) -> str:
     """``kind``, or the default where a file says none."""
     said = plant.get("kind", "articulated") if isinstance(plant, Mapping) else getattr(plant, "kind", "articulated")
@@ -51,5 +57,8 @@ def _kind(plant: Any) -> str:
 
 
 AnyPlant = Annotated[
-    Annotated[PlantSpec, Tag("articulated")] | Annotated[AirbearingPlant, Tag("airbearing")], Discriminator(_kind)
+    Annotated[PlantSpec, Tag("articulated")]
+    | Annotated[AirbearingPlant, Tag("airbearing")]
+    | Annotated[CapturedPlant, Tag("pccs")],
+    Discriminator(_kind),
 ]

@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from space_robot_bringup.plant_spec import AirbearingPlant, PlantSpec
+from space_robot_bringup.plant_spec import AirbearingPlant, CapturedPlant, PlantSpec
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
-from space_robot_msgs_py.interfaces import Plant
-from space_robot_sim.grasp.plant import AirbearingTestbed, grasp_joints, substeps
+from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
+from space_robot_sim.grasp.airbearing import AirbearingTestbed
+from space_robot_sim.grasp.captured import CapturedDebris, capability
+from space_robot_sim.grasp.held import grasp_joints, whole_steps
 from space_robot_sim.initial import InitialState
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import fixed_steps, method
@@ -57,23 +59,30 @@ def _check_articulated(spec: PlantSpec, truth: Robot, period: int) -> None:
 
 
 def _airbearing(spec: AirbearingPlant, truth: Robot, period: int, initial: InitialState, seed: int) -> Plant:
-    return AirbearingTestbed(
-        truth,
-        spec,
-        control_period=period,
-        initial=initial,
-        seed=seed,
-        delay_periods=spec.delay_periods,
-        hold=spec.hold,
-    )
+    timing: Any = {"delay_periods": spec.delay_periods, "hold": spec.hold}
+    return AirbearingTestbed(truth, spec, control_period=period, initial=initial, seed=seed, **timing)
+
+
+def _pccs(spec: CapturedPlant, truth: Robot, period: int, initial: InitialState, seed: int) -> Plant:
+    timing: Any = {"delay_periods": spec.delay_periods, "hold": spec.hold}
+    return CapturedDebris(truth, spec, control_period=period, initial=initial, seed=seed, **timing)
 
 
 def _check_airbearing(spec: AirbearingPlant, truth: Robot, period: int) -> None:
-    grasp_joints(truth, spec)
-    substeps(spec, period)
+    grasp_joints(truth, spec.grasp)
+    whole_steps(period, spec.step, "control_period")
+    whole_steps(round(spec.camera.delay * NANOSECONDS), spec.step, "plant.camera.delay")
+
+
+def _check_pccs(spec: CapturedPlant, truth: Robot, period: int) -> None:
+    grasp_joints(truth, spec.grasp)
+    capability(truth, spec)
+    whole_steps(period, spec.step, "control_period")
+    Sensors(spec.sensors, truth.n, period, seed=0)
 
 
 PLANTS = {
     "articulated": PlantKind(_articulated, _check_articulated),
     "airbearing": PlantKind(_airbearing, _check_airbearing),
+    "pccs": PlantKind(_pccs, _check_pccs),
 }

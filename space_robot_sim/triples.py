@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+Triple = tuple[float, float, float]
 
-def cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
+
+def cross(a: Sequence[float], b: Sequence[float]) -> Triple:
     """A x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def turn(quaternion: Sequence[float], a: Sequence[float]) -> tuple[float, float, float]:
+def turn(quaternion: Sequence[float], a: Sequence[float]) -> Triple:
     """A body vector in the inertial frame, by the rotation matrix of the quaternion."""
     x, y, z, w = quaternion
     return (
@@ -32,7 +34,7 @@ def quaternion_rate(quaternion: Sequence[float], omega: Sequence[float]) -> tupl
     )
 
 
-def turn_back(quaternion: Sequence[float], a: Sequence[float]) -> tuple[float, float, float]:
+def turn_back(quaternion: Sequence[float], a: Sequence[float]) -> Triple:
     """An inertial vector in the body frame."""
     x, y, z, w = quaternion
     return turn((-x, -y, -z, w), a)

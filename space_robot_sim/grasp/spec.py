@@ -7,6 +7,7 @@ from typing import Annotated
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from space_robot_description.spec import Strict
+from space_robot_sim.spec import SensorSpec
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 
@@ -48,6 +49,35 @@ class FlywheelSpec(Strict):
     """The flywheel as it is, beyond the limits of the robot file."""
 
     lag: NonNegativeFloat = Field(default=0.2, description="first-order lag of the torque [s]")
+
+
+class OrbitSpec(Strict):
+    """A virtual point on a circular orbit; the state is relative to it, axes parallel to the inertial ones.
+
+    At time zero the point is on the x axis and moves along y.
+    """
+
+    radius: PositiveFloat = Field(default=6.878e6, description="of the orbit [m]")
+    mu: PositiveFloat = Field(default=3.986004418e14, description="gravitational parameter [m3/s2]")
+
+
+class ConfigurationChange(Strict):
+    """The grasp shifts: where it rests moves from one place to another during a flight (Table 1 of the paper)."""
+
+    start: NonNegativeFloat = Field(description="[s]")
+    duration: PositiveFloat = Field(description="[s]")
+    offset: float = Field(default=0.0, description="along the first joint of the grasp [m]")
+    angle_deg: float = Field(default=0.0, description="about the third [deg]")
+
+
+class CapturedSpec(Strict):
+    """A robot in space that holds debris: what is not in the robot file."""
+
+    grasp: GraspSpec = Field(default_factory=GraspSpec, description="how the debris is held")
+    change: ConfigurationChange | None = Field(default=None, description="a shift of the grasp during the flight")
+    orbit: OrbitSpec | None = Field(default=None, description="central gravity; default: free space")
+    sensors: SensorSpec = Field(default_factory=SensorSpec)
+    step: PositiveFloat = Field(default=0.05, description="of the integration, divides the control period [s]")
 
 
 class AirbearingSpec(Strict):

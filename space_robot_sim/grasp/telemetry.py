@@ -12,8 +12,8 @@ from space_robot_sim.grasp.law import Grasp
 class GraspTelemetry:
     """Assembles one array per stamp.
 
-    Blocks: those of ``PlantTelemetry`` (``wheel_momentum`` (3) in the body frame, ``applied_effort`` zero: a grasp is
-    no motor), ``grasp_effort`` (3: N, N, N m), ``grasp_energy`` (elastic, J), ``command_ignored`` (0 or 1).
+    Blocks: those of ``PlantTelemetry`` (``wheel_momentum`` (3) in the body frame, ``applied_effort`` zero at the grasp,
+    which is no motor), ``grasp_effort`` (3: N, N, N m), ``grasp_energy`` (elastic, J), ``command_ignored`` (0 or 1).
 
     Args:
         robot: the true robot.
@@ -28,8 +28,9 @@ class GraspTelemetry:
     def of(
         self,
         stamp: int,
+        *,
         motion: Vector,
-        bristle: float,
+        grasp: tuple[float, float, float],
         wheels: Vector,
         balance: tuple[Vector, float, Vector],
         quaternion_residual: float,
@@ -42,21 +43,19 @@ class GraspTelemetry:
         Args:
             stamp: [ns].
             motion: (13+2n,) true q and v.
-            bristle: of the grasp [rad].
+            grasp: its bristle [rad], and ``rest`` and ``turning`` of the push.
             wheels: (3,) [N m s].
             balance: momentum, energy and residuals, see ``Books``.
             quaternion_residual: before it was made unit [-].
-            applied: (6,) mean force and torque on the base over the period [N, N m].
+            applied: (6+n,) mean force, torque and motor efforts over the period [N, N m].
             acting: (6+n,) the command that acted [N, N m].
-            limit: (6,) of the command, 0 where it does nothing.
+            limit: (6+n,) of the command, 0 where it does nothing.
         """
-        n, (i, j, k) = self._n, self._joints
+        n, (i, j, k), (bristle, rest, turning) = self._n, self._joints, grasp
         momentum, energy, residuals = balance
         q, rates = motion[7 : 7 + n], motion[13 + n :]
-        offsets = float(q[i]), float(q[j])
-        forces = self._grasp.forces(*offsets, float(rates[i]), float(rates[j]), float(rates[k]), bristle)
-        saturated = np.concatenate([(np.abs(acting[:6]) >= limit) & (limit > 0.0), np.zeros(n, dtype=bool)])
-        ignored = acting[:6][limit == 0.0].any() or acting[6:].any()
+        offsets = float(q[i]) - rest, float(q[j])
+        forces = self._grasp.forces(*offsets, float(rates[i]), float(rates[j]), float(rates[k]) - turning, bristle)
         return Telemetry.of(
             stamp,
             {
@@ -68,12 +67,12 @@ class GraspTelemetry:
                 "energy_residual": residuals[2],
                 "quaternion_residual": quaternion_residual,
                 "wheel_momentum": wheels,
-                "applied_wrench": applied,
-                "applied_effort": np.zeros(n),
-                "saturation": saturated.astype(np.float64),
+                "applied_wrench": applied[:6],
+                "applied_effort": applied[6:],
+                "saturation": ((np.abs(acting) >= limit) & (limit > 0.0)).astype(np.float64),
                 "joint_limit": np.maximum(0.0, np.maximum(self._lower - q, q - self._upper)),
                 "grasp_effort": [forces.x, forces.y, forces.torque],
                 "grasp_energy": self._grasp.stored(*offsets, bristle),
-                "command_ignored": float(ignored),
+                "command_ignored": float(acting[limit == 0.0].any()),
             },
         )

@@ -11,9 +11,9 @@ from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import CommandError, SpecError
 from space_robot_msgs_py.interfaces import Command, PlantSample, Vector, blocks_equal
+from space_robot_sim.grasp.airbearing import AirbearingTestbed
 from space_robot_sim.grasp.camera import Camera
 from space_robot_sim.grasp.law import Grasp
-from space_robot_sim.grasp.plant import AirbearingTestbed
 from space_robot_sim.grasp.spec import AirbearingSpec, CameraSpec, GraspSpec
 from space_robot_sim.initial import InitialState
 
@@ -159,8 +159,10 @@ def test_the_flywheel_lags_saturates_and_fills() -> None:
 
 def test_what_is_no_testbed_is_refused() -> None:
     """Another robot, an initial state off the table, a period that does not divide, a command for other joints."""
-    with pytest.raises(SpecError, match=r"plant\.grasp\.joints"):
+    with pytest.raises(SpecError, match="does not lie on the table"):
         bench(load_robot("servicer"))
+    with pytest.raises(SpecError, match=r"plant\.grasp\.joints"):
+        bench(grasp={"joints": ["grasp_x", "grasp_y", "grasp"]})
     with pytest.raises(SpecError, match="wrong kind"):
         bench(grasp={"joints": ["grasp_angle", "grasp_y", "grasp_x"]})
     with pytest.raises(SpecError, match=r"plant\.camera\.delay"):
