@@ -88,9 +88,7 @@ def test_in_orbit_a_free_robot_follows_kepler(higher: float) -> None:
     samples = fly(captured(start, speed, 10_000_000_000, grasp=loose, orbit={}, step=1.0), (0.0,) * 6, 60)
     for k, sample in enumerate(samples):
         t = 10.0 * k
-        exact = other * np.array([np.cos(n_other * t), np.sin(n_other * t)]) - r * np.array(
-            [np.cos(n * t), np.sin(n * t)]
-        )
+        own, virtual = (size * np.array([np.cos(w * t), np.sin(w * t)]) for size, w in ((other, n_other), (r, n)))
         np.testing.assert_allclose(sample.state.q[:2], own - virtual, rtol=0.0, atol=1e-5)
 
 
