@@ -9,7 +9,7 @@ import json
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Never
+from typing import TYPE_CHECKING, Annotated, Any, Never, cast
 
 import typer
 from rich.console import Console
@@ -17,11 +17,14 @@ from rich.console import Console
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 if TYPE_CHECKING:
+    from space_robot_bringup.campaign.fly import Keep
     from space_robot_bringup.experiment import Experiment
     from space_robot_bringup.run import RunResult
 
 FAILED, BAD_INPUT = 1, 2
 MODES = ("headless", "graph", "processes")
+COMPILING = "compiling the plant, once (about 20 s)"
+KEPT = ("failed", "all", "none")
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -45,7 +48,7 @@ JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object 
 
 @app.command("list")
 def list_shipped() -> None:
-    """List the shipped experiments and robots."""
+    """List the shipped experiments, papers, campaigns and robots."""
     from space_robot_bringup.catalogue import catalogue
 
     for kind, rows in catalogue().items():
@@ -94,32 +97,112 @@ def robot(
 
 @app.command()
 def run(
-    experiment: ExperimentArgument,
-    mode: Annotated[str, typer.Option(help=f"one of: {', '.join(MODES)}")] = "headless",
+    experiment: Annotated[str | None, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")] = None,
+    mode: Annotated[
+        str | None, typer.Option(help=f"one of: {', '.join(MODES)}; default headless, with --from graph")
+    ] = None,
     directory: Annotated[Path | None, typer.Option("--out", help="run directory; default runs/<name>")] = None,
     realtime: Annotated[
         float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
     ] = None,
     set_: SetOption = None,
     duration: Annotated[float | None, typer.Option(help="fly this long instead [s]")] = None,
+    campaign_directory: Annotated[
+        Path | None, typer.Option("--from", metavar="DIR", help="fly one case of this campaign, with --index")
+    ] = None,
+    index: Annotated[int | None, typer.Option(help="of the case, with --from")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Fly an experiment, log it to a bag and print the verdict."""
+    mode = mode or ("headless" if campaign_directory is None else "graph")
     if mode not in MODES:
         raise SpecError("no such mode", key="--mode", value=mode, accepted=", ".join(MODES))
     if realtime is not None and not 1e-3 <= realtime <= 1e4:
         raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
     from space_robot_bringup import render
+    from space_robot_bringup.campaign.again import case_experiment, differences
     from space_robot_bringup.experiment import experiment_path, load_experiment, with_duration
 
-    spec = with_duration(load_experiment(experiment, set_ or ()), duration)
-    place = directory or Path("runs") / experiment_path(experiment).stem
-    result = _fly(spec, place, mode, realtime, quiet=as_json)
+    if campaign_directory is not None and index is not None and not (experiment or set_ or duration):
+        spec, name = case_experiment(campaign_directory, index), f"{campaign_directory.resolve().name}_{index:06d}"
+    elif experiment is not None and campaign_directory is None and index is None:
+        spec = with_duration(load_experiment(experiment, set_ or ()), duration)
+        name = experiment_path(experiment).stem
+    else:
+        accepted = "an experiment with --set and --duration, or --from DIR with --index K"
+        raise SpecError("says not what to fly, or twice", key="run", accepted=accepted)
+    result = _fly(spec, directory or Path("runs") / name, mode, realtime, quiet=as_json)
+    # A paced run may miss commands, which no row of a campaign does.
+    found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     if as_json:
-        print(json.dumps(render.as_dict(spec, mode, result), allow_nan=False))
+        again = {} if campaign_directory is None else {"differences": found}
+        print(json.dumps(render.as_dict(spec, mode, result) | again, allow_nan=False))
     else:
         render.verdict(out, spec, mode, result)
+        if found is not None:
+            said = f"not as in the campaign: {'; '.join(found)}" if found else "every number is the campaign's"
+            out.print(said, style="red" if found else "green", markup=False, soft_wrap=True)
+    if found or not result.passed:
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def campaign(
+    file: Annotated[str, typer.Argument(help="shipped name such as fig08_dispersed, or YAML file")],
+    runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
+    workers: Annotated[int | None, typer.Option(help="local worker processes; default: one per core")] = None,
+    scheduler: Annotated[str | None, typer.Option(help="address of a Dask scheduler instead of local workers")] = None,
+    directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="go on with what is in the directory")] = False,
+    keep: Annotated[str, typer.Option(help=f"whose bags to keep, one of: {', '.join(KEPT)}")] = "failed",
+    as_json: JsonOption = False,
+) -> None:
+    """Fly many runs with what strays drawn anew, and sum them up."""
+    if keep not in KEPT:
+        raise SpecError("no such choice", key="--keep", value=keep, accepted=", ".join(KEPT))
+    try:
+        from space_robot_bringup.campaign import command, show
+    except ImportError as error:
+        raise SpecError(f"campaign needs Dask and more ({error})", accepted="install space-robot[campaign]") from None
+    from space_robot_bringup.campaign.spec import campaign_path, load_campaign
+
+    spec = load_campaign(file, runs)
+    place = directory or Path("runs") / campaign_path(file).stem
+    result = command.fly(
+        spec,
+        place,
+        workers=workers,
+        scheduler=scheduler,
+        resume=resume,
+        keep=cast("Keep", keep),
+        console=err,
+        quiet=as_json,
+    )
+    if as_json:
+        print(json.dumps(show.as_dict(spec.title, result), allow_nan=False))
+    else:
+        show.campaign(out, spec.title, result)
     if not result.passed:
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def reproduce(
+    paper: Annotated[str, typer.Argument(help="shipped name such as liu2023, or manifest file")],
+    figure: Annotated[
+        list[str] | None, typer.Option("--figure", metavar="N", help="only this figure; may be given more than once")
+    ] = None,
+    directory: Annotated[Path | None, typer.Option("--out", help="report directory; default out/<paper>")] = None,
+    workers: Annotated[int | None, typer.Option(help="processes; default: one per core")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Fly the figures of a paper, draw them and judge its claims one by one."""
+    from space_robot_bringup.reproduce.command import run_command
+    from space_robot_sim.kernel.cache import must_compile
+
+    if must_compile() and not as_json:
+        err.print(COMPILING)
+    if not run_command(paper, figure or (), directory, workers, as_json=as_json, console=out, err=err):
         raise typer.Exit(FAILED)
 
 
@@ -157,7 +240,7 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
     from space_robot_sim.kernel.cache import must_compile
 
     if must_compile() and not quiet:
-        err.print("compiling the plant, once (about 20 s)")
+        err.print(COMPILING)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=_warn)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)

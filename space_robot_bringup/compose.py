@@ -12,7 +12,7 @@ import numpy as np
 from space_robot_bringup.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.metrics import axis_names, metric_names
 from space_robot_bringup.plant_spec import ModelSpec
-from space_robot_bringup.plants import PLANTS
+from space_robot_bringup.plants import PLANTS, PlantParts
 from space_robot_bringup.verdict import check_bands, check_expectations
 from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.registry import make_law
@@ -21,7 +21,7 @@ from space_robot_control.references.targets import check_limits
 from space_robot_control.rotations import from_rpy
 from space_robot_description.dispersion import disperse
 from space_robot_description.load import load_robot
-from space_robot_description.payload import attach_payload
+from space_robot_description.payload import attach_payload, known_part
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
@@ -42,14 +42,14 @@ class Composition:
     Attributes:
         experiment: what it was made from.
         nominal: the robot the flight software believes in.
-        truth: the robot that flies.
-        header: provenance for the log.
+        truth: the robot that flies, as it starts.
+        changes: (stamp [ns], robot that flies from then on), in order.
     """
 
     experiment: Experiment
     nominal: Robot
     truth: Robot
-    header: LogHeader
+    changes: tuple[tuple[int, Robot], ...]
     _seeds: tuple[np.random.SeedSequence, ...]
     _q0: Vector
     _v0: Vector
@@ -59,11 +59,18 @@ class Composition:
         """Joint names in model order."""
         return self.nominal.joint_names
 
+    @property
+    def header(self) -> LogHeader:
+        """Provenance for a log; made when asked for, which a run that is not logged never does."""
+        robot = self.nominal
+        resolved = self.experiment.model_copy(update={"robot": dict(robot.resolved)})
+        return LogHeader(to_yaml(resolved), robot.urdf, self.experiment.seed, robot.joint_names, versions())
+
     def plant(self) -> Plant:
         """A new plant in its initial state."""
-        spec, seed = self.experiment.plant, int(self._seeds[2].generate_state(1, np.uint64)[0])
-        initial = InitialState(self._q0, self._v0)
-        return PLANTS[spec.kind].make(spec, self.truth, self.experiment.period, initial, seed)
+        seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
+        initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
+        return PLANTS[spec.kind].make(spec, PlantParts(self.truth, self.experiment.period, initial, seed, self.changes))
 
     def controller(self) -> Law:
         """A new controller; it gets the nominal robot and nothing else."""
@@ -100,13 +107,13 @@ def compose(experiment: Experiment) -> Composition:
             accepted="reject",
         )
     robot = load_robot(experiment.robot)
-    nominal = _variant(robot, experiment.nominal, seeds[0], "nominal")
+    nominal = _variant(robot, _believed(experiment), seeds[0], "nominal")
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
-    resolved = experiment.model_copy(update={"robot": dict(robot.resolved)})
-    header = LogHeader(to_yaml(resolved), robot.urdf, experiment.seed, robot.joint_names, versions())
     q0, v0 = _initial(experiment.initial, robot)
-    PLANTS[experiment.plant.kind].check(experiment.plant, truth, experiment.period)
-    composition = Composition(experiment, nominal, truth, header, seeds, q0, v0)
+    kind, spec = PLANTS[experiment.plant.kind], experiment.plant
+    kind.check(spec, truth, experiment.period)
+    changes = kind.changes(spec, truth, experiment.control_period)
+    composition = Composition(experiment, nominal, truth, changes, seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
     check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
@@ -137,6 +144,20 @@ def _check_recorded(experiment: Experiment) -> None:
     if missing is not None:
         accepted = "one at every multiple of control_period up to the last"
         raise SpecError(f"none at {missing} ns", key="reference.stamps", value=list(spec.stamps[:3]), accepted=accepted)
+
+
+def _believed(experiment: Experiment) -> ModelSpec:
+    """What ``nominal`` says, with its payload where it says a fraction of the real one."""
+    nominal, real = experiment.nominal, experiment.plant.payload
+    if nominal.payload_known is None:
+        return nominal
+    if real is None:
+        accepted = "a plant.payload to know of"
+        raise SpecError(
+            "there is no payload", key="nominal.payload_known", value=nominal.payload_known, accepted=accepted
+        )
+    payload = known_part(real, nominal.payload_known) if nominal.payload_known else None
+    return nominal.model_copy(update={"payload": payload})
 
 
 def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: str) -> Robot:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from io import StringIO
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
 from ruamel.yaml import YAML
@@ -20,6 +20,8 @@ from space_robot_description.share import config_dir, is_file, shipped
 from space_robot_description.spec import PerJoint, Strict, Three
 from space_robot_description.validation import nearest, parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import InputFileError, SpecError
+
+LAW_KEY = "controller.law"
 
 
 class Initial(Strict):
@@ -46,6 +48,20 @@ class ControllerSpec(Strict):
 
     law: str = Field(default="computed_torque", description="name of a law, or module:Class")
     gains: dict[str, Any] = Field(default_factory=dict, description="the law's own gains, checked by the law")
+
+
+class NominalSpec(ModelSpec):
+    """What the flight software believes."""
+
+    payload_known: Annotated[float, Field(ge=0.0, le=1.0)] | None = Field(
+        default=None, description="instead of payload: this fraction of the real payload's mass and inertia [-]"
+    )
+
+    @model_validator(mode="after")
+    def _one_payload(self) -> Self:
+        if self.payload is not None and self.payload_known is not None:
+            raise ValueError("say payload or payload_known, not both")
+        return self
 
 
 class Expectation(Strict):
@@ -82,7 +98,7 @@ class Experiment(Strict):
     reference: ReferenceSpec
     controller: ControllerSpec = Field(default_factory=ControllerSpec)
     plant: AnyPlant = Field(default_factory=PlantSpec)
-    nominal: ModelSpec = Field(default_factory=ModelSpec, description="what the flight software believes")
+    nominal: NominalSpec = Field(default_factory=NominalSpec, description="what the flight software believes")
     settling_bands: dict[str, PositiveFloat] = Field(
         default_factory=dict, description="axis -> half width [deg or m] in place of 2 % of its travel"
     )
@@ -112,14 +128,21 @@ def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experim
     """
     path = experiment_path(name_or_path)
     data = parse_yaml(path)
-    for override in overrides:
+    # The law first: gains given beside it are meant for it, those of the file's own law are not.
+    for override in sorted(overrides, key=lambda text: not text.startswith(f"{LAW_KEY}=")):
         apply_override(data, override)
-    robot = data.get("robot")
-    if isinstance(robot, str) and is_file(path.parent / robot):
-        data["robot"] = str(path.parent / robot)
-    if isinstance(data.get("reference"), dict):
-        data["reference"] = with_recorded_log(data["reference"], path.parent)
-    return experiment_from(data, str(name_or_path))
+    return experiment_from(located(data, path.parent), str(name_or_path))
+
+
+def located(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The mapping with what stands beside its file found: the robot file's path, the numbers of a recorded log."""
+    found = dict(data)
+    robot, reference = found.get("robot"), found.get("reference")
+    if isinstance(robot, str) and is_file(folder / robot):
+        found["robot"] = str(folder / robot)
+    if isinstance(reference, dict):
+        found["reference"] = with_recorded_log(reference, folder)
+    return found
 
 
 def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
@@ -147,28 +170,62 @@ def experiment_path(name_or_path: str) -> Path:
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:
-    """Set one ``dotted.key=value`` in a mapping, making the mappings on the way."""
+    """Set one ``dotted.key=value`` in a mapping, see ``set_key``."""
     key, equals, text = override.partition("=")
     if not equals or not key.strip():
         raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
-    *parents, last = key.strip().split(".")
-    place = data
-    for parent in parents:
-        child = place.setdefault(parent, {})
-        if not isinstance(child, dict):
-            raise SpecError(
-                "is a value, not a section", key=f"--set {key}", value=parent, accepted="a key of a section"
-            )
-        place = child
-    place[last] = parse_yaml_value(text, f"--set {key}")
+    set_key(data, key.strip(), parse_yaml_value(text, f"--set {key}"), f"--set {key}")
+
+
+def set_key(data: dict[str, Any], key: str, value: Any, where: str) -> None:
+    """Set one dotted key in a mapping, making the sections on the way; another law drops the gains of the one before.
+
+    Args:
+        data: what is changed.
+        key: a number in it is an item of a list; a name with dots, such as a body's in ``dispersion.parameters``, is
+            found where it already stands.
+        value: the new value.
+        where: what is being set, for errors.
+
+    Raises:
+        SpecError: the key leads through a value or beyond the end of a list.
+    """
+    controller = data.get("controller")
+    if key == LAW_KEY and isinstance(controller, dict) and controller.get("law") != value:
+        controller.pop("gains", None)
+    place: Any = data
+    while key:
+        there = [name for name in place if f"{key}.".startswith(f"{name}.")] if isinstance(place, dict) else []
+        name = max(there, key=len, default=key.partition(".")[0])
+        key = key[len(name) + 1 :]
+        slot = _slot(place, name, where)
+        if not key:
+            place[slot] = value
+        elif isinstance(place, dict) and place.get(slot) is None:
+            place[slot] = {}
+        place = place[slot]
+
+
+def _slot(place: Any, name: str, where: str) -> str | int:
+    if isinstance(place, dict):
+        return name
+    if isinstance(place, list) and name.isdecimal() and int(name) < len(place):
+        return int(name)
+    accepted = f"items 0 to {len(place) - 1}" if isinstance(place, list) else "a key of a section"
+    raise SpecError(f"leads to {name!r} in what is no section", key=where, value=place, accepted=accepted)
 
 
 def to_yaml(experiment: Experiment) -> str:
     """The resolved experiment as YAML text with every default written out; equal experiments give equal text."""
+    return dump_yaml(experiment.model_dump(mode="json"))
+
+
+def dump_yaml(data: Mapping[str, Any]) -> str:
+    """Plain data as YAML text for people: a number's list on one line, a text of many lines as a block."""
     yaml = YAML(pure=True)
     yaml.width = 120
     out = StringIO()
-    yaml.dump(_readable(experiment.model_dump(mode="json")), out)
+    yaml.dump(_readable(dict(data)), out)
     return out.getvalue()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, PositiveFloat, Tag
 
 from space_robot_description.dispersion import Dispersion
 from space_robot_description.payload import Payload
@@ -30,10 +30,18 @@ class PlantTiming(ModelSpec):
     hold: Literal["last", "zero"] = Field(default="last", description="what acts when no usable command is there")
 
 
+class Capture(Strict):
+    """A rigid body that the robot takes in flight, at the velocity of the hand: no impact, and no word to the law."""
+
+    time: PositiveFloat = Field(description="when it is held from [s], a multiple of the control period")
+    payload: Payload
+
+
 class PlantSpec(PlantTiming):
     """What the real robot does: the truth. An articulated robot in free space."""
 
     kind: Literal["articulated"] = "articulated"
+    capture: Capture | None = Field(default=None, description="a payload taken in flight")
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     sensors: SensorSpec = Field(default_factory=SensorSpec)
 

@@ -12,16 +12,17 @@ PLAIN_LINES = 4
 
 
 class Progress:
-    """Shows the tick a run has reached.
+    """Shows the tick a run, or the run a campaign, has reached, and on a terminal when it will be over.
 
     Args:
         console: where to; its own terminal detection decides between bar and lines.
-        steps: the last tick.
+        steps: the last one.
         quiet: show nothing.
+        unit: what is counted.
     """
 
-    def __init__(self, console: Console, steps: int, *, quiet: bool) -> None:
-        self._console, self._steps, self._quiet = console, steps, quiet
+    def __init__(self, console: Console, steps: int, *, quiet: bool, unit: str = "tick") -> None:
+        self._console, self._steps, self._quiet, self._unit = console, steps, quiet, unit
         self._shown_quarter = 0
         self._bar: RichProgress | None = None
         if console.is_terminal and not quiet:
@@ -29,15 +30,21 @@ class Progress:
             self._bar = RichProgress(*columns, console=console, transient=True)
             self._task = self._bar.add_task("flying", total=steps)
 
+    def begin(self, tick: int) -> None:
+        """It starts from here: what was done before tells nothing of how fast it goes."""
+        self._shown_quarter = PLAIN_LINES * tick // self._steps
+        if self._bar is not None:
+            self._bar.reset(self._task, completed=tick)
+
     def reach(self, tick: int) -> None:
-        """The run has reached this tick."""
+        """It has reached this tick."""
         if self._bar is not None:
             self._bar.update(self._task, completed=tick)
         elif not self._quiet:
             quarter = PLAIN_LINES * tick // self._steps
             if quarter > self._shown_quarter:
                 self._shown_quarter = quarter
-                self._console.print(f"tick {tick} of {self._steps}")
+                self._console.print(f"{self._unit} {tick} of {self._steps}")
 
     def __enter__(self) -> Progress:
         if self._bar is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -14,6 +14,7 @@ from space_robot_bringup.experiment import Experiment
 from space_robot_bringup.metrics import RunMetrics, measure
 from space_robot_bringup.verdict import Check, judge
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.log_writer import LogSink
 
@@ -115,19 +116,25 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
     """The result of a run, read back from its log."""
     # Resolved as the writer did: `a/../b` is a place even where there is no `a`.
     ticks = list(LogReader(directory.resolve()).ticks())
-    metrics = None
-    checks: tuple[Check, ...] = ()
-    if ticks:
-        flying = composition.nominal.base_mode == "free_flying"
-        metrics = measure(
-            ticks,
-            composition.joint_names,
-            base_translation=flying,
-            prismatic=composition.nominal.prismatic,
-            bands=composition.experiment.settling_bands,
-        )
-        checks = judge(metrics, composition.experiment.expect, reason)
+    metrics, checks = judge_ticks(ticks, composition, reason)
     return RunResult(directory, reason, metrics, checks, wall_time)
+
+
+def judge_ticks(
+    ticks: Sequence[Tick], composition: Composition, reason: str
+) -> tuple[RunMetrics | None, tuple[Check, ...]]:
+    """Metrics and verdict of a run; None and nothing where no tick was completed."""
+    if not ticks:
+        return None, ()
+    flying = composition.nominal.base_mode == "free_flying"
+    metrics = measure(
+        ticks,
+        composition.joint_names,
+        base_translation=flying,
+        prismatic=composition.nominal.prismatic,
+        bands=composition.experiment.settling_bands,
+    )
+    return metrics, judge(metrics, composition.experiment.expect, reason)
 
 
 def _fly(composition: Composition, directory: Path, mode: Mode, realtime: float | None, hooks: Hooks) -> str:

@@ -23,22 +23,22 @@ def to_nanoseconds(seconds: float, key: str) -> int:
     return int(exact)
 
 
-def steps_of(duration: float, control_period: float) -> int:
-    """Number of control periods in a duration.
+def steps_of(duration: float, control_period: float, key: str = "duration") -> int:
+    """Number of control periods in a duration; ``key`` names it in an error.
 
     Raises:
         SpecError: the duration is not a multiple of the control period, or beyond the last stamp.
     """
-    total, period = to_nanoseconds(duration, "duration"), to_nanoseconds(control_period, "control_period")
+    total, period = to_nanoseconds(duration, key), to_nanoseconds(control_period, "control_period")
     if total > LAST_STAMP:
         longest = f"at most {LAST_STAMP / NANOSECONDS:.0f} s, the last stamp a log can hold"
-        raise SpecError("too long", key="duration", value=duration, accepted=longest)
+        raise SpecError("too long", key=key, value=duration, accepted=longest)
     steps, rest = divmod(total, period)
     if rest or not steps:
         below, above = max(steps, 1) * period / NANOSECONDS, max(steps + 1, 2) * period / NANOSECONDS
         raise SpecError(
             f"not a multiple of control_period {control_period:g} s",
-            key="duration",
+            key=key,
             value=duration,
             accepted=f"e.g. {below:g} or {above:g}",
         )

@@ -67,11 +67,12 @@ def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: st
         value = numbers[name]
         checks.append(Check(name, value, f"<= {bound:g}", value is not None and value <= bound))
     for name, expectation in expect.items():
-        checks += _check(name, numbers[name], expectation)
+        checks += check_bounds(name, numbers[name], expectation)
     return tuple(checks)
 
 
-def _check(name: str, value: float | None, wanted: Expectation) -> list[Check]:
+def check_bounds(name: str, value: float | None, wanted: Expectation) -> list[Check]:
+    """One check per bound an expectation states; a number that is not there keeps none."""
     checks = []
     if wanted.value is not None:
         close = value is not None and abs(value - wanted.value) <= wanted.tolerance

@@ -31,6 +31,17 @@ class Payload(Strict):
     pose: Pose = Field(default_factory=Pose, description="the payload's frame in the holding frame")
 
 
+def known_part(payload: Payload, fraction: float) -> Payload:
+    """The payload that somebody believes in who knows a fraction of its mass and inertia, and where its centre is.
+
+    Args:
+        payload: the real one.
+        fraction: above 0, usually up to 1.
+    """
+    inertia = tuple(fraction * moment for moment in _entries(payload.inertia))
+    return payload.model_copy(update={"mass": fraction * payload.mass, "inertia": inertia})
+
+
 def attach_payload(robot: Robot, payload: Payload) -> Robot:
     """The robot with the payload's inertia added to the body that holds it.
 
@@ -55,6 +66,10 @@ def attach_payload(robot: Robot, payload: Payload) -> Robot:
     model = robot.model.copy()
     model.inertias[joint] = model.inertias[joint] + placement.act(pin.Inertia(payload.mass, com, inertia))
     return dataclasses.replace(robot, model=model)
+
+
+def _entries(inertia: InertiaInput) -> tuple[float, ...]:
+    return tuple(tensor(inertia, "payload.inertia")[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist())
 
 
 def _holder(robot: Robot, frame: str) -> tuple[int, pin.SE3]:

@@ -74,7 +74,8 @@ def validate(model_class: type[Model], data: object, where: str) -> Model:
     Args:
         model_class: a pydantic model.
         data: what was parsed.
-        where: name of the file or section, stands before the dotted key in the message.
+        where: name of the file, stands before the dotted key in the message; with a dot at its end it is the section
+            that the data is in, and a part of the key.
 
     Raises:
         SpecError: names the first bad key, its value, what is accepted (for an unknown key the nearest valid ones),
@@ -106,7 +107,8 @@ def _spec_error(
     others: int,
 ) -> SpecError:
     kind = first["type"]
-    key = " ".join(filter(None, [where, ".".join(str(part) for part in path)]))
+    dotted = ".".join(str(part) for part in path)
+    key = f"{where}{dotted}".rstrip(".") if where.endswith(".") else f"{where} {dotted}".strip()
     more = f" (and {others} more)" if others else ""
     if kind == "extra_forbidden":
         valid = _valid_keys(model_class, tuple(first["loc"][:-1]))
@@ -143,13 +145,15 @@ def _valid_keys(model_class: type[BaseModel], loc: tuple[str | int, ...]) -> lis
         inner = [
             model
             for candidate in candidates
-            if part in candidate.model_fields
-            for model in _models_in(candidate.model_fields[str(part)].annotation)
+            for name, field in candidate.model_fields.items()
+            if part == (field.alias or name)
+            for model in _models_in(field.annotation)
         ]
         tagged = [model for model in candidates if part in _tags(model) or part == model.__name__]
         # List indices and mapping keys change nothing: the models inside were collected with the container.
         candidates = inner or tagged or candidates
-    return list(dict.fromkeys(name for model in candidates for name in model.model_fields))
+    keys = (field.alias or name for model in candidates for name, field in model.model_fields.items())
+    return list(dict.fromkeys(keys))
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -36,6 +37,8 @@ class SimulatedRobot:
         seed: of the sensors' noise.
         delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
         hold: what acts in place of a missing command: nothing, or the last one.
+        changes: (stamp [ns], robot from then on) in order: the same joints and actuators, other inertias. The motion
+            goes on as it is, and the books of momentum and energy are opened anew.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -52,6 +55,7 @@ class SimulatedRobot:
         seed: int = 0,
         delay_periods: Literal[0, 1] = 0,
         hold: Literal["zero", "last"] = "zero",
+        changes: Sequence[tuple[int, Robot]] = (),
     ) -> None:
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
@@ -60,15 +64,16 @@ class SimulatedRobot:
         spec = integrator or IntegratorSpec()
         self._initial, self._delay, self._hold_last = initial, delay_periods, hold == "last"
         self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
+        self._robots = {0: robot, **dict(changes)}
         self._arrays = robot_arrays(robot.model, motor_numbers(robot))
         self._able = capability(robot, control_period)
         self._how = stepping(spec, self._arrays, control_period)
-        self._fallback = None if compiled(spec) else PinocchioIntegrator(robot.model, self._arrays)
+        self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
         self._telemetry = PlantTelemetry(robot, self._wheels.size)
         self._flight = flight(robot.n, self._wheels.size)
-        if self._fallback is None:
+        if self._compiled:
             sizes = np.zeros(6 + robot.n), self._seconds, self._flight, True
             self._fly = bound(fly, self._arrays, self._able, self._how, *sizes)
         self.reset()
@@ -84,7 +89,7 @@ class SimulatedRobot:
         self._held = np.zeros(6 + self._n)
         self._waiting = np.zeros(6 + self._n)
         self._sensors.reset()
-        self._advance(self._held, start=True)
+        self._become(self._robots[0])
         return self._show(self._held)
 
     def step(self, command: Command | None) -> PlantSample:
@@ -94,6 +99,8 @@ class SimulatedRobot:
             CommandError: the command is not for this many joints.
             IntegrationError: the state stopped being finite, or the tolerance cannot be kept.
         """
+        if self._stamp and self._stamp in self._robots:
+            self._become(self._robots[self._stamp])
         acting = self._accept(command)
         if self._delay:
             acting, self._waiting = self._waiting, acting
@@ -102,6 +109,13 @@ class SimulatedRobot:
         if status != DONE:
             raise self._failure(status)
         return self._show(acting)
+
+    def _become(self, robot: Robot) -> None:
+        """Be this robot from here on, with books that start here."""
+        self._arrays = robot_arrays(robot.model, motor_numbers(robot))
+        self._fallback = None if self._compiled else PinocchioIntegrator(robot.model, self._arrays)
+        self._flight.y[13 + 2 * self._n :] = 0.0
+        self._advance(self._held, start=True)
 
     def _accept(self, command: Command | None) -> Vector:
         if command is None:

@@ -45,13 +45,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("role", choices=ROLES)
     parser.add_argument("--experiment", required=True, help="shipped name or YAML file")
     parser.add_argument("--out", type=Path, required=True, help="run directory (the recorder's)")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="override one key; the same for every role"
+    )
     parser.add_argument("--realtime", type=float, default=None, help="simulated seconds per second; default lock-step")
     parser.add_argument("--progress", action="store_true", help="print the tick that was reached, now and then")
     own, ros = _split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
     options = parser.parse_args(own)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         try:
-            composition = compose(load_experiment(options.experiment))
+            composition = compose(load_experiment(options.experiment, options.set))
             # As every ROS process: whoever starts several of us gives them one domain, or they meet on 0.
             domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
             with local_context(domain, ros) as context:

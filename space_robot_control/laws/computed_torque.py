@@ -2,37 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
-
-import numpy as np
-from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
+from pydantic import Field, PositiveFloat
 
 from space_robot_control.laws.base import Blocks, Law
 from space_robot_control.laws.dynamics import NominalModel
+from space_robot_control.laws.per_dof import Axes, Joints, PerDof
 from space_robot_control.laws.stability import stability_margin
 from space_robot_control.laws.tracking import error_blocks, tracking_errors
 from space_robot_description.robot import Robot
-from space_robot_description.spec import Strict, expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
-Axes = NonNegativeFloat | Annotated[tuple[NonNegativeFloat, ...], Field(min_length=3, max_length=3)]
-Joints = NonNegativeFloat | tuple[NonNegativeFloat, ...] | dict[str, NonNegativeFloat]
 
-
-class Bandwidth(Strict):
+class Bandwidth(PerDof):
     """Natural frequency of each error's double integrator; one number stands for all, 0 leaves a DoF uncontrolled."""
 
     translation: Axes = Field(default=0.5, description="base translation, one number or per body axis [rad/s]")
     rotation: Axes = Field(default=0.5, description="base rotation, one number or per body axis [rad/s]")
     joints: Joints = Field(default=0.5, description="one number, a list, or a mapping by joint name [rad/s]")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_for_all(cls, data: Any) -> Any:
-        if isinstance(data, (int, float)) and not isinstance(data, bool):
-            return {"translation": data, "rotation": data, "joints": data}
-        return data
 
 
 class ComputedTorque(Law):
@@ -73,7 +60,7 @@ class ComputedTorque(Law):
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
         self.model = NominalModel(robot)
-        wn = _natural_frequencies(self.gains.bandwidth, robot)
+        wn = self.gains.bandwidth.values(robot, "controller.gains.bandwidth")
         if not self.gains.allow_unstable:
             _check_stability(wn, self.gains.damping, control_period, robot)
         self._kp, self._kd = wn * wn, 2.0 * self.gains.damping * wn
@@ -84,13 +71,6 @@ class ComputedTorque(Law):
         wished = errors.feedforward + self._kd * errors.velocity + self._kp * errors.configuration
         u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, wished)
         return u, {**error_blocks(errors), "acceleration_command": acceleration}
-
-
-def _natural_frequencies(bandwidth: Bandwidth, robot: Robot) -> Vector:
-    wn = np.empty(6 + robot.n)
-    wn[:3], wn[3:6] = bandwidth.translation, bandwidth.rotation
-    wn[6:] = expand(bandwidth.joints, robot.joint_names, "controller.gains.bandwidth.joints")
-    return wn
 
 
 def _check_stability(wn: Vector, damping: float, control_period: float, robot: Robot) -> None:

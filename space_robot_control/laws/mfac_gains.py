@@ -19,7 +19,7 @@ class EstimatorSpec(Strict):
     sigma: Annotated[float, Field(ge=0.0, le=2.0)] = Field(
         default=0.2, description="step size [-]; 0: frozen at Phi(1)"
     )
-    beta: PositiveFloat = Field(default=1.0, description="in the squared units of the increments, see `units`")
+    beta: PositiveFloat = Field(default=1.0, description="[squared units of the increments, see `units`]")
     floor: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(
         default=0.1, description="share of Phi(1) below which the estimate starts again [-]"
     )
@@ -61,7 +61,7 @@ class MfacGains(Law.Gains):
     )
     kappa: NonNegativeFloat = Field(default=1.0, description="lambda / phi^2 [-]")
     control_weight: NonNegativeFloat = Field(
-        default=0.0, description="lambda itself, added, in the squared units of phi, see `units`"
+        default=0.0, description="lambda itself, added [squared units of phi, see `units`]"
     )
     units: Literal["full_scale", "printed"] = Field(
         default="full_scale",

@@ -20,9 +20,12 @@ from space_robot_msgs_py.errors import SpecError
 GROUP = "space_robot.laws"
 PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
+    "adaptive": "space_robot_control.laws.adaptive:Adaptive",
     "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
     "mfac": "space_robot_control.laws.mfac:ModelFree",
     "none": "space_robot_control.laws.hold:ZeroCommand",
+    "ntsmc": "space_robot_control.laws.ntsmc:Ntsmc",
+    "ntsmc_euler": "space_robot_control.laws.ntsmc_euler:NtsmcEuler",
     "pd": "space_robot_control.laws.pd:ProportionalDerivative",
 }
 
@@ -43,8 +46,11 @@ def law_class(name: str, key: str = "controller.law") -> type[Law]:
     Raises:
         SpecError: there is no such law, it cannot be imported, or it is not a ``Law``.
     """
-    installed = _installed()
-    path = BUILT_IN.get(name) or (installed[name].value if name in installed else name)
+    path = BUILT_IN.get(name, name)
+    if ":" not in path:
+        # Only here: asking every distribution for its entry points takes longer than to build a law.
+        installed = _installed()
+        path = installed[name].value if name in installed else name
     if ":" not in path:
         close = nearest(name, law_names())
         accepted = f"did you mean {close}?" if close else f"{', '.join(law_names())}, {PATHS}"
@@ -68,7 +74,7 @@ def make_law(
         SpecError: the law, a gain or the period cannot be used.
     """
     cls = law_class(name, f"{key}.law")
-    return cls(robot, control_period, validate(cls.Gains, dict(gains or {}), f"{key}.gains"))
+    return cls(robot, control_period, validate(cls.Gains, dict(gains or {}), f"{key}.gains."))
 
 
 def _installed() -> dict[str, EntryPoint]:

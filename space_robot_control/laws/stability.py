@@ -1,8 +1,9 @@
-"""Where a sampled PD loop is stable: the closed form behind the check of bandwidth against control period."""
+"""Where sampled loops are stable: the closed forms behind the checks of gains against the control period."""
 
 from __future__ import annotations
 
 from math import inf
+from typing import Literal
 
 
 def stability_margin(control_period: float, bandwidth: float, damping: float) -> float:
@@ -32,3 +33,31 @@ def stability_margin(control_period: float, bandwidth: float, damping: float) ->
     """
     product = bandwidth * control_period
     return min(1.0 / damping, 4.0 * damping) / product if product > 0.0 else inf
+
+
+def stable_lambda(
+    control_period: float, decay: float, *, on: Literal["position", "velocity"] = "position", lead: bool = False
+) -> tuple[float, float]:
+    """Return the open interval of Lambda in which the sampled Slotine-Li loop is stable; empty if low >= high.
+
+    With exact parameters and a held command each mode of M^-1 K_D, of rate d, obeys x'' = -kd x_k' - kp x_k with
+
+        lambda_on position: kd = d + Lambda, kp = d Lambda;    velocity: kd = d Lambda, kp = d,
+
+    and ``lead`` adds kp T/2 to kd. Jury's conditions (see ``stability_margin``) are kd T < 2 and kp T < 2 kd. For
+    position and no lead that is T (d + Lambda) < 2, the second condition following from the first; the fastest mode
+    decides. For velocity without lead it is d T Lambda < 2 and T < 2 Lambda.
+
+    Exact for constant M and one Lambda for all degrees of freedom; with several, the smallest and largest have to be
+    inside. A delay of a period is not in it.
+
+    Args:
+        control_period: T [s].
+        decay: lambda_max(M^-1 K_D), the largest along the path [1/s; velocity: 1/s2].
+        on: which error Lambda weighs.
+        lead: the law looks half a period ahead.
+    """
+    t, d = control_period, decay
+    if on == "position":
+        return 0.0, (2.0 / t - d) / (1.0 + 0.5 * d * t) if lead else 2.0 / t - d
+    return (0.0, 2.0 / (d * t) - 0.5 * t) if lead else (0.5 * t, 2.0 / (d * t))

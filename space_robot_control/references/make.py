@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, assert_never
 
+from space_robot_control.references.end_effector import end_effector
 from space_robot_control.references.harmonic import harmonic
 from space_robot_control.references.points import Hold, PointToPoint, Step
 from space_robot_control.references.profile import nanoseconds
 from space_robot_control.references.recorded import Recorded
 from space_robot_control.references.spec import (
+    EndEffectorSpec,
     HarmonicSpec,
     HoldSpec,
     QuinticSpec,
@@ -65,6 +67,8 @@ def make_reference(
             return harmonic(spec, robot, q, key)
         case WaypointsSpec():
             return waypoints(spec, robot, q, key)
+        case EndEffectorSpec():
+            return end_effector(spec, robot, q, key)
         case RecordedSpec():
             return _recorded(spec, robot, key)
         case _:

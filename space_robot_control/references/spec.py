@@ -112,6 +112,49 @@ class WaypointsSpec(Strict):
     )
 
 
+class ToolTarget(Strict):
+    """Where the tool frame is to be, in the inertial frame; what is not said stays as it is when the leg starts."""
+
+    position: Three | None = Field(default=None, description="tool origin in the inertial frame [m]")
+    move_by: Three | None = Field(default=None, description="the same as a displacement, inertial axes [m]")
+    attitude_deg: Three | None = Field(default=None, description="roll, pitch, yaw of the tool, R = Rz Ry Rx [deg]")
+    quaternion: Four | None = Field(default=None, description="the same as x, y, z, w, of any length but zero [-]")
+    orientation: Literal["held", "free"] = Field(
+        default="held", description="free: only the position is asked for, for arms of fewer than six joints"
+    )
+
+    @model_validator(mode="after")
+    def _said_once(self) -> Self:
+        if self.position is not None and self.move_by is not None:
+            raise ValueError("say position or move_by, not both")
+        turned = [way for way in ("attitude_deg", "quaternion") if getattr(self, way) is not None]
+        if len(turned) > 1 or (turned and self.orientation == "free"):
+            raise ValueError("say attitude_deg, quaternion, or orientation: free")
+        return self
+
+
+class EndEffectorPoint(Waypoint):
+    """A target of the base and of the joints or the tool, and when to be there."""
+
+    tool: ToolTarget | None = Field(default=None, description="where the tool goes; the joints then follow")
+
+    @model_validator(mode="after")
+    def _joints_follow(self) -> Self:
+        if self.tool is not None and (self.joints, self.joints_deg, self.joints_by_deg) != (None, None, None):
+            raise ValueError("say tool or joints, not both")
+        return self
+
+
+class EndEffectorSpec(Strict):
+    """The tool on straight lines and geodesics from rest to rest, quintic in time; it starts at time 0."""
+
+    kind: Literal["end_effector"] = "end_effector"
+    points: tuple[EndEffectorPoint, ...] = Field(min_length=1)
+    smallest_singular_value: PositiveFloat = Field(
+        default=0.02, description="of the tool Jacobian; closer to a singularity the motion is refused [m/rad, rad/rad]"
+    )
+
+
 class RecordedSpec(Strict):
     """References written down one by one; valid at exactly these stamps, and at rest at the last one afterwards."""
 
@@ -123,5 +166,6 @@ class RecordedSpec(Strict):
 
 
 ReferenceSpec = Annotated[
-    HoldSpec | StepSpec | QuinticSpec | HarmonicSpec | WaypointsSpec | RecordedSpec, Field(discriminator="kind")
+    HoldSpec | StepSpec | QuinticSpec | HarmonicSpec | WaypointsSpec | EndEffectorSpec | RecordedSpec,
+    Field(discriminator="kind"),
 ]

@@ -96,7 +96,7 @@ def test_a_failed_expectation_exits_1(space_robot: Tool, tmp_path: Path) -> None
         (("run", "liu2023/fig08", "--duration", "1.1"), ("duration", "1.1", "control_period")),
         (("run", "liu2023/fig08", "--duration", "nan"), ("nan",)),
         (("run", "liu2023/fig08", "--set", "contol_period=1"), ("contol_period", "control_period")),
-        (("run", "liu2023/fig08", "--set", "controller.gains.bandwith=1"), ("bandwith", "bandwidth")),
+        (("run", "liu2023/fig08", "--set", "controller.gains.lamda=1"), ("lamda", "lambda")),
         (("run", "liu2023/fig08", "--set", "control_period=-1"), ("control_period", "-1")),
         (("run", "liu2023/fig08", "--set", "control_period=.nan"), ("control_period",)),
         (("run", "liu2023/fig08", "--set", "controller.law=magic"), ("magic", "computed_torque")),

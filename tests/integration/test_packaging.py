@@ -48,6 +48,8 @@ def test_the_wheel_is_an_ament_package_with_executables(wheel: zipfile.ZipFile) 
     for name in [*PACKAGES, "space_robot"]:
         assert f"{DATA}/share/ament_index/resource_index/packages/{name}" in held
     assert f"{DATA}/{SHARE}/package.xml" in held
-    for place in ("space_robot_sim/simulator", "space_robot_sim/recorder", "space_robot_control/controller"):
+    places = [path.relative_to(ROOT / "lib").as_posix() for path in (ROOT / "lib").glob("*/*")]
+    assert {"space_robot_sim/simulator", "space_robot_control/adaptive_controller"} <= set(places)
+    for place in places:
         info = held[f"{DATA}/lib/{place}"]
         assert info.external_attr >> 16 & 0o111, f"{place} is not executable"

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from space_robot_description.inertia import check_inertia, inertial_parameters, is_consistent, pseudo_inertia
 from space_robot_description.load import load_robot
-from space_robot_description.payload import Payload, attach_payload
-from space_robot_description.robot_spec import Pose
+from space_robot_description.payload import Payload, attach_payload, known_part
+from space_robot_description.robot_spec import INERTIA_KEYS, Pose
 from space_robot_msgs_py.errors import InertiaError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 
@@ -130,3 +130,14 @@ def test_check_inertia_names_link_and_condition(mass: float, com: Vector, inerti
     """Whatever makes a body impossible is named together with its link."""
     with pytest.raises(InertiaError, match=f"link tank: {message}|link tank: inertia is {message}"):
         check_inertia("tank", mass, com, inertia)
+
+
+@pytest.mark.parametrize("inertia", [TENSOR, TENSOR[:3], dict(zip(INERTIA_KEYS, TENSOR, strict=True))])
+def test_a_known_part_of_a_payload_scales_mass_and_inertia_and_keeps_the_place(inertia: Any) -> None:
+    """Half a payload added twice is the payload, whatever way its inertia is written."""
+    robot = load_robot("servicer")
+    payload = Payload(mass=40.0, com=COM, inertia=inertia, pose=Pose(xyz=(0.1, 0.2, 0.3), rpy=TURN))
+    half = known_part(payload, 0.5)
+    assert (half.mass, half.com, half.pose) == (20.0, payload.com, payload.pose)
+    twice = inertial_parameters(attach_payload(attach_payload(robot, half), half))
+    np.testing.assert_allclose(twice, inertial_parameters(attach_payload(robot, payload)), rtol=1e-14, atol=1e-14)

@@ -41,8 +41,8 @@ def test_a_resolved_experiment_is_the_experiment(name: str) -> None:
 def test_an_override_changes_its_key_only() -> None:
     """--set replaces one value, of any depth, and leaves the rest."""
     plain = load_experiment("liu2023/fig08")
-    changed = load_experiment("liu2023/fig08", ["controller.gains.damping=0.7", "plant.delay_periods=1"])
-    assert changed.controller.gains == plain.controller.gains | {"damping": 0.7}
+    changed = load_experiment("liu2023/fig08", ["controller.gains.lambda=0.7", "plant.delay_periods=1"])
+    assert changed.controller.gains == plain.controller.gains | {"lambda": 0.7}
     assert changed.plant.delay_periods == 1
     assert changed.model_copy(update={"controller": plain.controller, "plant": plain.plant}) == plain
 

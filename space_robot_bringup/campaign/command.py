@@ -1,0 +1,65 @@
+"""``space-robot campaign``: what happens between the command line and the library."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+
+from rich.console import Console
+
+from space_robot_bringup.campaign.cases import total
+from space_robot_bringup.campaign.fly import Keep
+from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult, run_campaign
+from space_robot_bringup.campaign.spec import Campaign
+from space_robot_bringup.progress import Progress
+from space_robot_bringup.stopping import StopFlag
+from space_robot_msgs_py.errors import SpecError
+from space_robot_sim.kernel.cache import must_compile
+
+MOST_WORKERS = 1024
+
+
+def fly(
+    campaign: Campaign,
+    directory: Path,
+    *,
+    workers: int | None,
+    scheduler: str | None,
+    resume: bool,
+    keep: Keep,
+    console: Console,
+    quiet: bool,
+) -> CampaignResult:
+    """Fly a campaign with a progress bar; SIGINT and SIGTERM end it cleanly.
+
+    Args:
+        campaign: resolved.
+        directory: where its rows go.
+        workers: local ones; None: as many as there are cores.
+        scheduler: address, instead of local workers.
+        resume: go on with the directory.
+        keep: whose bags to keep.
+        console: for progress.
+        quiet: no progress.
+
+    Raises:
+        SpaceRobotError: it cannot be flown; nothing was written.
+    """
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise SpecError("not a number of workers", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
+    if workers is not None and scheduler is not None:
+        raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
+    if scheduler is None and must_compile() and not quiet:
+        console.print("compiling the plant, once (about 20 s)")
+    cases = total(campaign)
+    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(console, cases, quiet=quiet, unit="run") as progress:
+        return run_campaign(
+            campaign,
+            directory,
+            workers=workers or len(os.sched_getaffinity(0)),
+            scheduler=scheduler,
+            resume=resume,
+            keep=keep,
+            hooks=CampaignHooks(progress.begin, progress.reach, stop=lambda: stop.reason),
+        )

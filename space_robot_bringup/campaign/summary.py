@@ -1,0 +1,166 @@
+"""What the rows add up to, with how sure that is; missing numbers are counted, never filled in."""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from space_robot_msgs_py.interfaces import Vector
+
+CONFIDENCE = 0.95
+RESAMPLES = 2000
+STATISTICS = ("mean", "mean_low", "mean_high", "median", "p05", "p95", "min", "max")
+RATES = ("success_rate", "completed_rate")
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """A share of the runs with its Clopper-Pearson interval (exact: it covers at least what it says).
+
+    Attributes:
+        count: runs that did.
+        n: all runs.
+        rate: count / n [-].
+        low: of the 95 % interval [-].
+        high: of the 95 % interval [-].
+    """
+
+    count: int
+    n: int
+    rate: float
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, count: int, n: int) -> Rate:
+        """The rate of ``count`` in ``n`` runs."""
+        interval = stats.binomtest(count, n).proportion_ci(CONFIDENCE, method="exact")
+        return cls(count, n, count / n, float(interval.low), float(interval.high))
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """How one metric spreads over the completed runs; in the metric's unit.
+
+    Attributes:
+        n: runs that have the number.
+        missing: completed runs that have none (an axis that never settled).
+        mean: with its 95 % bootstrap interval (BCa) ``mean_low`` to ``mean_high``; a point where nothing spreads.
+        median: with the 5 % and 95 % quantiles ``p05`` and ``p95``.
+        min: smallest.
+        max: largest.
+        worst: index of the case with the largest.
+    """
+
+    n: int
+    missing: int
+    mean: float
+    mean_low: float
+    mean_high: float
+    median: float
+    p05: float
+    p95: float
+    min: float
+    max: float
+    worst: int
+
+    @classmethod
+    def of(cls, values: Vector, indices: Sequence[int], missing: int, seed: int) -> Spread:
+        """The spread of at least one value; the resampling is seeded."""
+        low, high = _interval_of_mean(values, seed)
+        p05, median, p95 = (float(quantile) for quantile in np.quantile(values, [0.05, 0.5, 0.95]))
+        worst = indices[int(np.argmax(values))]
+        ends = float(values.min()), float(values.max())
+        return cls(values.size, missing, float(np.mean(values)), low, high, median, p05, p95, *ends, worst)
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """One point of the grid.
+
+    Attributes:
+        labels: key to label of what is varied; empty without a grid.
+        success: runs that kept every bound of their experiment.
+        completed: runs that ended by themselves.
+        reasons: how the others ended, and how often.
+        failed: indices of the cases that did not pass.
+        spreads: metric to its spread over the completed runs; absent where no run has the number.
+    """
+
+    labels: Mapping[str, Any]
+    success: Rate
+    completed: Rate
+    reasons: Mapping[str, int]
+    failed: tuple[int, ...]
+    spreads: Mapping[str, Spread]
+
+    def flat(self) -> dict[str, float | None]:
+        """Every number under one name, e.g. ``success_rate`` or ``base/roll.overshoot.p95``: for ``expect:``."""
+        numbers: dict[str, float | None] = {}
+        for name, rate in zip(RATES, (self.success, self.completed), strict=True):
+            numbers |= {name: rate.rate, f"{name}.low": rate.low, f"{name}.high": rate.high}
+        for metric, spread in self.spreads.items():
+            numbers |= {f"{metric}.{statistic}": getattr(spread, statistic) for statistic in STATISTICS}
+        return numbers
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data."""
+        return asdict(self)
+
+
+def summary_names(metrics: Sequence[str]) -> list[str]:
+    """Names of ``Group.flat`` of runs with these metrics."""
+    rates = [name + end for name in RATES for end in ("", ".low", ".high")]
+    return rates + [f"{metric}.{statistic}" for metric in metrics for statistic in STATISTICS]
+
+
+def summarise(rows: Sequence[Mapping[str, Any]], labels: Mapping[str, Any], metrics: Sequence[str], seed: int) -> Group:
+    """Sum up the rows of one point of the grid.
+
+    Args:
+        rows: columns by name, at least one row.
+        labels: of the point.
+        metrics: names of the numbers.
+        seed: of the resampling.
+    """
+    completed = [row for row in rows if row["completed"]]
+    spreads = {}
+    for metric in metrics:
+        held = [(row[metric], row["index"]) for row in completed if row.get(metric) is not None]
+        if held:
+            values, indices = zip(*held, strict=True)
+            spreads[metric] = Spread.of(np.array(values, dtype=float), indices, len(completed) - len(held), seed)
+    return Group(
+        labels=dict(labels),
+        success=Rate.of(sum(row["passed"] for row in rows), len(rows)),
+        completed=Rate.of(len(completed), len(rows)),
+        reasons=dict(Counter(row["end_reason"] for row in rows if not row["completed"])),
+        failed=tuple(row["index"] for row in rows if not row["passed"]),
+        spreads=spreads,
+    )
+
+
+def _interval_of_mean(values: Vector, seed: int) -> tuple[float, float]:
+    mean = float(np.mean(values))
+    if np.ptp(values) == 0.0:
+        return mean, mean
+    # BCa covers skewed numbers better; of a few nearly equal ones it may have none.
+    for method in ("BCa", "percentile"):
+        with warnings.catch_warnings(action="ignore"):
+            found = stats.bootstrap(
+                (values,),
+                np.mean,
+                n_resamples=RESAMPLES,
+                confidence_level=CONFIDENCE,
+                method=method,
+                rng=np.random.default_rng(seed),
+            ).confidence_interval
+        if np.isfinite([found.low, found.high]).all():
+            break
+    return float(found.low), float(found.high)

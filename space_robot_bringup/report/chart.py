@@ -1,0 +1,63 @@
+"""Numbers of runs as dots, over a key of the experiment or side by side, with what they reduce to."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from space_robot_bringup.report.curves import PALETTE, shown
+from space_robot_bringup.reproduce.measures import FlownRun, reduce
+from space_robot_bringup.reproduce.reproduction import FlownFigure
+from space_robot_bringup.reproduce.spec import Chart
+
+HALF_BAR = 0.3
+
+
+def draw_chart(axis: Any, chart: Chart, flown: FlownFigure) -> None:
+    """Draw every run that has the number as a dot and say how many have none."""
+    runs = shown(chart, flown)
+    without = 0
+    for column, group in enumerate(dict.fromkeys(run.group for run, _ in runs)):
+        members = [pair for pair in runs if pair[0].group == group]
+        points: dict[float, list[FlownRun]] = {}
+        for pair in members:
+            points.setdefault(float(pair[0].values[chart.x]) if chart.x else float(column), []).append(pair)
+        without += _draw_group(axis, chart, flown, dict(sorted(points.items())))
+    if without:
+        text = f"{without} of {len(runs)} runs without this number"
+        axis.text(0.99, 0.97, text, transform=axis.transAxes, ha="right", va="top", fontsize="small", color="#a00")
+    if chart.x:
+        axis.set_xscale(chart.x_scale)
+        axis.set_xlabel(chart.x_label or chart.x)
+    else:
+        groups = list(dict.fromkeys(run.group for run, _ in runs))
+        axis.set_xticks(range(len(groups)), [chart.legend.get(group, group) for group in groups])
+        axis.set_xlim(-0.5, len(groups) - 0.5)
+
+
+def _draw_group(axis: Any, chart: Chart, flown: FlownFigure, points: dict[float, list[FlownRun]]) -> int:
+    """Draw a group and return how many of its runs lack the number."""
+    members = [pair for pairs in points.values() for pair in pairs]
+    color = _color(chart, flown, members[0][0].group)
+    without, line = 0, {}
+    for x, pairs in points.items():
+        numbers = [pair[1].number(chart.measure.quantity, flown.figure.diverged) for pair in pairs]
+        without += numbers.count(None)
+        there = [value for value in numbers if value is not None]
+        axis.plot([x] * len(there), there, "o", color=color, markersize=4, alpha=0.5, label="_")
+        value = reduce(chart.measure, pairs, flown.figure.diverged).value
+        if value is not None and (chart.measure.reduce or len(pairs) == 1):
+            line[x] = value
+    if chart.x:
+        text = chart.legend.get(members[0][0].group, members[0][0].group)
+        axis.plot(list(line), list(line.values()), color=color, label=text or "_")
+    else:
+        for x, value in line.items():
+            axis.hlines(value, x - HALF_BAR, x + HALF_BAR, color=color, linewidth=2.0)
+    return without
+
+
+def _color(chart: Chart, flown: FlownFigure, group: str) -> str:
+    """One color per group: the abscissa tells the runs of a sweep apart."""
+    style = chart.style.get(group)
+    index = list(flown.figure.runs).index(group)
+    return style.color if style and style.color else PALETTE[index % len(PALETTE)]

@@ -1,0 +1,37 @@
+"""A reproduction as one page that needs no server and no other file."""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from space_robot_bringup.reproduce.show import count, heading
+from space_robot_bringup.reproduce.summary import Data
+
+TEMPLATE = "page.html.j2"
+
+
+def page(data: Data, folder: Path) -> str:
+    """The page as HTML.
+
+    Args:
+        data: see ``summary``.
+        folder: where its pictures are; they become part of the page.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    pictures = {
+        figure["name"]: base64.b64encode((folder / figure["picture"]).read_bytes()).decode()
+        for figure in data["figures"]
+        if figure["picture"]
+    }
+    filters = {"digits": lambda value, digits: f"{value:.{digits}g}", "heading": heading}
+    environment.filters.update(filters)
+    return environment.get_template(TEMPLATE).render(paper=data, pictures=pictures, count=count(data))

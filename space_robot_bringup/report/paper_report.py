@@ -1,0 +1,63 @@
+"""The files a reproduction leaves: pictures, the page, claims.json."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from space_robot_bringup.report.page import page
+from space_robot_bringup.report.paper_figure import draw_figure
+from space_robot_bringup.reproduce.plan import Plan
+from space_robot_bringup.reproduce.reproduction import CLAIMS, FlownFigure
+from space_robot_bringup.reproduce.summary import Data, summary
+from space_robot_msgs_py.errors import LogError
+
+PAGE = "index.html"
+
+
+def write_report(plan: Plan, flown: Sequence[FlownFigure], directory: Path) -> Data:
+    """Draw and write everything.
+
+    Args:
+        plan: of the paper.
+        flown: its figures.
+        directory: where to.
+
+    Returns:
+        What is in claims.json.
+
+    Raises:
+        LogError: something cannot be written.
+    """
+    pictures: dict[str, str] = {}
+    for figure in flown:
+        file = f"{picture_name(figure.name)}.png"
+        if draw_figure(figure, directory / file):
+            pictures[figure.name] = file
+    data = summary(plan, flown, pictures)
+    write_whole(directory / PAGE, page(data, directory))
+    write_whole(directory / CLAIMS, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
+    return data
+
+
+def picture_name(figure: str) -> str:
+    """File name of a figure without suffix: ``fig08`` for figure 8."""
+    if figure.isdigit():
+        return f"fig{int(figure):02d}"
+    return re.sub(r"[^\w.-]+", "-", figure)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file, whole or not at all.
+
+    Raises:
+        LogError: it cannot be written.
+    """
+    temporary = path.with_name(f"{path.name}.tmp")
+    try:
+        temporary.write_text(text, encoding="utf-8")
+        temporary.replace(path)
+    except OSError as error:
+        raise LogError(f"cannot be written: {error.strerror or error}", key=str(path)) from None

@@ -1,0 +1,1 @@
+"""A paper's figures, tables and claims, flown, drawn and judged from one manifest."""

@@ -1,0 +1,148 @@
+"""Everything a manifest can get wrong beyond its types, found before anything is flown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from space_robot_bringup.reproduce.claims import check_words
+from space_robot_bringup.reproduce.measures import select
+from space_robot_bringup.reproduce.plan import Plan, PlannedRun, Runs
+from space_robot_bringup.reproduce.spec import (
+    Chart,
+    Claim,
+    Drawing,
+    Figure,
+    Measure,
+    Number,
+    Panel,
+    Table,
+    TimingMeasure,
+)
+from space_robot_bringup.reproduce.vocabulary import Vocabulary
+from space_robot_description.validation import nearest
+from space_robot_msgs_py.errors import SpecError
+
+
+def check_plan(plan: Plan, figures: Iterable[str]) -> None:
+    """Compose every flight of these figures and look up every name they use.
+
+    Raises:
+        SpecError: a run cannot be composed, or a group, metric, signal, measure or key is unknown; with the key path
+            and the nearest names.
+    """
+    vocabulary = Vocabulary()
+    for name in figures:
+        key = f"{plan.name} figures.{name}"
+        for label, runs in plan.runs[name].items():
+            for run in runs:
+                vocabulary.learn(run, f"{key}.runs.{label}")
+        _FigureCheck(plan.manifest.figures[name], plan.runs[name], vocabulary).check(key)
+
+
+class _FigureCheck:
+    def __init__(self, figure: Figure, runs: Runs, vocabulary: Vocabulary) -> None:
+        self._figure, self._runs, self._vocabulary = figure, runs, vocabulary
+
+    def check(self, key: str) -> None:
+        figure = self._figure
+        self._check_labels(key)
+        for index, panel in enumerate(figure.panels):
+            self._check_panel(panel, f"{key}.panels.{index}")
+        for index, chart in enumerate(figure.charts):
+            self._check_chart(chart, f"{key}.charts.{index}")
+        for index, table in enumerate(figure.tables):
+            self._check_table(table, f"{key}.tables.{index}")
+        if figure.timing is not None:
+            for group in figure.timing.of:
+                if len(self._of((group,), f"{key}.timing.of")) != 1:
+                    raise SpecError("more than one run", key=f"{key}.timing.of", value=group, accepted="a group of one")
+        for index, claim in enumerate(figure.claims):
+            self._check_claim(claim, f"{key}.claims.{index}")
+
+    def _check_labels(self, key: str) -> None:
+        labels = [run.label for group in self._runs.values() for run in group]
+        if twice := next((label for label in labels if labels.count(label) > 1), None):
+            raise SpecError("two runs would have this label", key=f"{key}.runs", value=twice, accepted="other labels")
+
+    def _check_panel(self, panel: Panel, key: str) -> None:
+        runs = self._check_drawing(panel, panel.signals, key)
+        for index, signal in enumerate(panel.signals):
+            self._vocabulary.check_signal(signal, runs, f"{key}.signals.{index}")
+        if panel.before is not None and panel.before <= panel.after:
+            raise SpecError(
+                "not later than after", key=f"{key}.before", value=panel.before, accepted=f"> {panel.after:g}"
+            )
+
+    def _check_chart(self, chart: Chart, key: str) -> None:
+        runs = self._check_drawing(chart, (), key)
+        self._check_number(chart.measure, runs, f"{key}.measure")
+        for run in runs if chart.x else ():
+            value = run.values.get(chart.x)
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                accepted = "a key that every group sets or sweeps to numbers"
+                raise SpecError(f"{run.label} has no such number", key=f"{key}.x", value=chart.x, accepted=accepted)
+
+    def _check_drawing(self, drawing: Drawing, signals: Sequence[str], key: str) -> list[PlannedRun]:
+        runs = self._of(drawing.of, f"{key}.of")
+        names = [*dict.fromkeys(run.group for run in runs), *(run.label for run in runs), *signals]
+        for part in ("legend", "style"):
+            for name in getattr(drawing, part):
+                _known("group, run or signal of this drawing", name, names, f"{key}.{part}")
+        low, high = drawing.limits or (0.0, 1.0)
+        if low >= high:
+            raise SpecError("not an interval", key=f"{key}.limits", value=drawing.limits, accepted="[low, high]")
+        return runs
+
+    def _check_table(self, table: Table, key: str) -> None:
+        groups = table.of or tuple(self._runs)
+        runs = self._of(groups, f"{key}.of")
+        for heading, number in table.columns.items():
+            where = f"{key}.columns.{heading}"
+            self._check_number(number, runs, where)
+            if table.rows == "groups":
+                for group in groups:
+                    _check_reducible(number, self._runs[group], where)
+
+    def _check_claim(self, claim: Claim, key: str) -> None:
+        for name, measure in claim.measures.items():
+            where = f"{key}.measures.{name}"
+            if isinstance(measure, TimingMeasure):
+                timed = self._figure.timing.of if self._figure.timing else ()
+                _known("group of the timing table", measure.of, timed, f"{where}.of")
+            else:
+                self._check_measure(measure, where)
+        check_words(claim, key)
+
+    def _check_measure(self, measure: Measure, key: str) -> None:
+        runs = select(measure, self._of(measure.groups, f"{key}.of"))
+        if not runs:
+            raise SpecError("no run has these values", key=f"{key}.where", value=dict(measure.where))
+        self._check_number(measure, runs, key)
+        _check_reducible(measure, runs, key)
+
+    def _check_number(self, number: Number, runs: Sequence[PlannedRun], key: str) -> None:
+        if number.metric is not None:
+            self._vocabulary.check_metric(number.metric, runs, f"{key}.metric")
+            return
+        self._vocabulary.check_signal(number.signal or "", runs, f"{key}.signal")
+        for run in runs:
+            if number.after > run.flight.experiment.duration:
+                accepted = f"less than the {run.flight.experiment.duration:g} s of {run.label}"
+                raise SpecError("after the end of a run", key=f"{key}.after", value=number.after, accepted=accepted)
+
+    def _of(self, groups: Sequence[str] | None, key: str) -> list[PlannedRun]:
+        """The runs of these groups; of all if there are none given."""
+        for group in groups or ():
+            _known("group of runs", group, list(self._runs), key)
+        return [run for group in groups or self._runs for run in self._runs[group]]
+
+
+def _known(what: str, name: str, names: Sequence[str], key: str) -> None:
+    if name not in names:
+        accepted = nearest(name, names) or ", ".join(names) or "none is there"
+        raise SpecError(f"no such {what}", key=key, value=name, accepted=accepted)
+
+
+def _check_reducible(number: Number, runs: Sequence[PlannedRun], key: str) -> None:
+    if number.reduce is None and len(runs) != 1:
+        raise SpecError(f"{len(runs)} runs and no reduce", key=key, accepted="reduce: min, max, mean, median, ...")

@@ -1,0 +1,117 @@
+"""Claims against what was flown: the measures, the condition, the verdict."""
+
+from __future__ import annotations
+
+import string
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from space_robot_bringup.reproduce.expression import Condition
+from space_robot_bringup.reproduce.measures import FlownRun, Measured, reduce, select
+from space_robot_bringup.reproduce.spec import Claim, Figure, Measure
+from space_robot_bringup.reproduce.timing import CycleTimes
+from space_robot_msgs_py.errors import SpecError
+
+UNDECIDED = "undecided"
+# What ``found`` may name beside the measures: number of runs, and their seeds.
+EXTRA = ("n", "seeds")
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """A claim and what became of it.
+
+    Attributes:
+        claim: the claim.
+        verdict: holds, does not hold, not checkable, or undecided.
+        found: what was measured, in words.
+        measured: by name.
+        runs: how many distinct runs it is about.
+        seeds: theirs.
+    """
+
+    claim: Claim
+    verdict: str
+    found: str
+    measured: dict[str, Measured]
+    runs: int
+    seeds: tuple[int, ...]
+
+    @property
+    def changed(self) -> bool:
+        """The verdict is not the documented one."""
+        return self.verdict != self.claim.verdict
+
+
+def check_words(claim: Claim, key: str) -> None:
+    """Refuse a condition or a text that names what there is not.
+
+    Raises:
+        SpecError: with the key and the nearest names.
+    """
+    if not claim.measures:
+        return
+    for name in claim.measures:
+        if not name.isidentifier() or name in EXTRA:
+            raise SpecError("not a usable name", key=f"{key}.measures", value=name, accepted="letters, digits, _")
+    Condition(claim.holds_if, tuple(claim.measures), f"{key}.holds_if")
+    names = [*claim.measures, *EXTRA]
+    try:
+        fields = [name for _, name, _, _ in string.Formatter().parse(claim.found) if name is not None]
+        if unknown := next((name for name in fields if name not in names), None):
+            raise SpecError("no such measure", key=f"{key}.found", value=unknown, accepted=", ".join(names))
+        claim.found.format_map({**dict.fromkeys(claim.measures, 1.0), "n": 1, "seeds": "1-4"})
+    except (ValueError, IndexError) as error:
+        if isinstance(error, SpecError):
+            raise
+        raise SpecError(f"not a format string: {error}", key=f"{key}.found", value=claim.found) from None
+
+
+def judge(claim: Claim, figure: Figure, runs: Sequence[FlownRun], times: Mapping[str, CycleTimes]) -> Judgement:
+    """Measure a claim on the flown runs of its figure and decide it."""
+    if claim.verdict == "not checkable":
+        return Judgement(claim, claim.verdict, "", {}, 0, ())
+    measured: dict[str, Measured] = {}
+    used: dict[str, int] = {}
+    flown = {run.label: (run, flight) for run, flight in runs}
+    for name, measure in claim.measures.items():
+        if isinstance(measure, Measure):
+            chosen = [flown[run.label] for run in select(measure, [run for run, _ in runs])]
+            measured[name] = reduce(measure, chosen, figure.diverged)
+        else:
+            chosen = [pair for pair in runs if pair[0].group == measure.of]
+            measured[name] = _cycle_time(measure.timing, times.get(measure.of))
+        used |= {run.flight.name: run.flight.experiment.seed for run, _ in chosen}
+    seeds = tuple(sorted(set(used.values())))
+    verdict, found = _decide(claim, measured, len(used), seeds)
+    return Judgement(claim, verdict, found, measured, len(used), seeds)
+
+
+def seed_text(seeds: Sequence[int]) -> str:
+    """Sorted seeds in few characters: ``0``, ``1-4``, ``1-4, 7``."""
+    pieces: list[list[int]] = []
+    for seed in seeds:
+        if pieces and seed == pieces[-1][1] + 1:
+            pieces[-1][1] = seed
+        else:
+            pieces.append([seed, seed])
+    return ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in pieces)
+
+
+def _decide(claim: Claim, measured: Mapping[str, Measured], runs: int, seeds: Sequence[int]) -> tuple[str, str]:
+    for name, one in measured.items():
+        if one.value is None:
+            return UNDECIDED, f"{name}: {one.why}"
+    values = {name: one.value for name, one in measured.items() if one.value is not None}
+    found = claim.found.format_map({**values, "n": runs, "seeds": seed_text(seeds)})
+    try:
+        holds = Condition(claim.holds_if, tuple(values), "holds_if").holds(values)
+    except ArithmeticError as error:
+        return UNDECIDED, f"{found} ({claim.holds_if}: {error})"
+    return ("holds" if holds else "does not hold"), found
+
+
+def _cycle_time(statistic: str, times: CycleTimes | None) -> Measured:
+    if times is None:
+        return Measured(None, 1, why="not timed: its run has no complete log")
+    return Measured(float(getattr(times, statistic)), 1)

@@ -1,0 +1,95 @@
+"""One run in a worker: fly, log, judge, and bring back only the numbers that were asked for."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.reproduce.measures import Flight, take
+from space_robot_bringup.reproduce.signals import Signals
+from space_robot_bringup.reproduce.spec import Quantity
+from space_robot_bringup.reproduce.workers import stop_reason
+from space_robot_bringup.run import Hooks, RunResult, run_experiment
+from space_robot_bringup.verdict import PLANT_BOUNDS
+from space_robot_msgs_py.errors import NonFiniteError
+from space_robot_msgs_py.log_reader import LogReader
+
+# A picture is about this many dots wide; curves of longer runs are drawn by every k-th tick.
+DRAWN_TICKS = 2000
+Keep = Literal["all", "failed", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What a worker is to do.
+
+    Attributes:
+        argument: experiment, as ``load_experiment`` takes it.
+        overrides: likewise.
+        directory: of the bag.
+        quantities: to be taken of signals.
+        curves: signals to be drawn.
+        keep: whether the bag stays.
+    """
+
+    argument: str
+    overrides: tuple[str, ...]
+    directory: Path
+    quantities: tuple[Quantity, ...]
+    curves: tuple[str, ...]
+    keep: Keep
+
+
+def fly(job: Job) -> Flight:
+    """Fly a job; a run that fails is a result, not an error.
+
+    Raises:
+        SpaceRobotError: the log cannot be written.
+    """
+    warnings: list[str] = []
+    hooks = Hooks(stop=stop_reason, warn=warnings.append)
+    experiment = load_experiment(job.argument, job.overrides)
+    try:
+        result = run_experiment(experiment, job.directory, mode="headless", hooks=hooks)
+    except NonFiniteError as error:
+        # The log is complete, but its numbers overflow when they are judged.
+        return Flight(str(error), warnings=tuple(warnings), bag=job.directory.exists())
+    flight = _look(job, result, tuple(warnings))
+    if job.keep == "none" or (job.keep == "failed" and flight.completed):
+        shutil.rmtree(job.directory)
+        return replace(flight, bag=False)
+    return flight
+
+
+def _look(job: Job, result: RunResult, warnings: tuple[str, ...]) -> Flight:
+    arrays = LogReader(job.directory).arrays()
+    if result.metrics is None:
+        return Flight(result.end_reason, warnings=warnings, bag=True)
+    signals = Signals(arrays, compose(load_experiment(job.argument, job.overrides)))
+    stride = max(1, arrays.time.size // DRAWN_TICKS)
+    drawn = np.unique(np.append(np.arange(0, arrays.time.size, stride), arrays.time.size - 1))
+    return Flight(
+        end_reason=result.end_reason,
+        broken=tuple(check.name for check in result.checks if check.name in PLANT_BOUNDS and not check.passed),
+        metrics=result.metrics.flat(),
+        largest=_largest(signals),
+        taken={asked: take(asked, arrays.time, signals.of(asked.signal)) for asked in job.quantities},
+        time=arrays.time[drawn],
+        curves={name: signals.of(name)[drawn] for name in job.curves},
+        warnings=warnings,
+        bag=True,
+    )
+
+
+def _largest(signals: Signals) -> dict[str, float]:
+    """The largest errors, by the names of ``Bounds``."""
+    names = {"attitude": "base.error", "joints": "joints.error"}
+    if signals.composition.nominal.base_mode == "free_flying":
+        names["position"] = "base.position_error"
+    return {bound: float(signals.of(name).max()) for bound, name in names.items()}

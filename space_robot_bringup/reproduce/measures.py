@@ -1,0 +1,133 @@
+"""Numbers of runs: what each run has, and how many runs become one number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from space_robot_bringup.reproduce.plan import PlannedRun
+from space_robot_bringup.reproduce.spec import Bounds, Measure, Number, Quantity
+from space_robot_msgs_py.interfaces import Vector
+
+# Metrics that every run has, also one that failed.
+OUTCOMES = ("completed", "diverged")
+TAKES: dict[str, Callable[[Vector], float]] = {
+    "final": lambda x: float(x[-1]),
+    "max": lambda x: float(x.max()),
+    "min": lambda x: float(x.min()),
+    "mean": lambda x: float(x.mean()),
+    "rms": lambda x: float(np.sqrt(np.mean(x**2))),
+    "max_abs": lambda x: float(np.abs(x).max()),
+}
+REDUCTIONS: dict[str, Callable[[Vector], float]] = {
+    "min": lambda x: float(x.min()),
+    "max": lambda x: float(x.max()),
+    "mean": lambda x: float(x.mean()),
+    "median": lambda x: float(np.median(x)),
+    "std": lambda x: float(x.std()),
+    "sum": lambda x: float(x.sum()),
+    "count": lambda x: float(x.size),
+}
+OF_NONE = ("sum", "count")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Flight:
+    """What came back from a run.
+
+    Attributes:
+        end_reason: ``completed``, or why not.
+        broken: bounds of the plant itself that it violated.
+        metrics: by name; empty where nothing could be judged.
+        largest: the largest errors of attitude and joints [deg] and position [m].
+        taken: what was asked of its signals; None where the window holds no tick.
+        time: (K,) of the ticks that are drawn [s].
+        curves: (K,) signals that are drawn, by name.
+        warnings: what the law said before the flight.
+        bag: its log was kept.
+    """
+
+    end_reason: str
+    broken: tuple[str, ...] = ()
+    metrics: dict[str, float | None] = field(default_factory=dict)
+    largest: dict[str, float] = field(default_factory=dict)
+    taken: dict[Quantity, float | None] = field(default_factory=dict)
+    time: Vector = field(default_factory=lambda: np.empty(0))
+    curves: dict[str, Vector] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    bag: bool = False
+
+    @property
+    def completed(self) -> bool:
+        """It flew to its end and the plant kept its own bounds; only then its numbers count."""
+        return self.end_reason == "completed" and bool(self.metrics) and not self.broken
+
+    def diverged(self, bounds: Bounds) -> bool:
+        """It did not complete, or an error left the bounds."""
+        return not self.completed or any(value > getattr(bounds, name) for name, value in self.largest.items())
+
+    def number(self, quantity: Quantity, bounds: Bounds) -> float | None:
+        """The number; None if this run has none, and of a run that did not complete only its outcome."""
+        if quantity.metric == "completed":
+            return float(self.completed)
+        if quantity.metric == "diverged":
+            return float(self.diverged(bounds))
+        if not self.completed:
+            return None
+        return self.metrics[quantity.metric] if quantity.metric else self.taken[quantity]
+
+
+FlownRun = tuple[PlannedRun, Flight]
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """A number over runs.
+
+    Attributes:
+        value: None if there is none; then ``why`` says why.
+        runs: how many there are.
+        without: labels of runs that lack the number.
+        why: no value.
+    """
+
+    value: float | None
+    runs: int
+    without: tuple[str, ...] = ()
+    why: str = ""
+
+
+def take(quantity: Quantity, time: Vector, signal: Vector) -> float | None:
+    """The number taken of a signal in its window, ends included; None if no tick is in it."""
+    end = np.inf if quantity.before is None else quantity.before
+    inside = signal[(time >= quantity.after) & (time <= end)]
+    return TAKES[quantity.take](inside) if inside.size else None
+
+
+def select(measure: Measure, runs: Sequence[PlannedRun]) -> list[PlannedRun]:
+    """The runs a measure is over."""
+    return [
+        run
+        for run in runs
+        if run.group in measure.groups
+        and all(key in run.values and run.values[key] == value for key, value in measure.where.items())
+    ]
+
+
+def reduce(number: Number, runs: Sequence[FlownRun], bounds: Bounds) -> Measured:
+    """The number over these runs; a run without it is refused, left out or replaced, as ``missing`` says."""
+    found = [(run.label, flight.number(number.quantity, bounds)) for run, flight in runs]
+    without = tuple(label for label, value in found if value is None)
+    if without and number.missing == "refuse":
+        more = f" and {len(without) - 1} more" if len(without) > 1 else ""
+        return Measured(None, len(runs), without, f"{without[0]}{more} without {number.quantity}")
+    substitute = [] if isinstance(number.missing, str) else [number.missing] * len(without)
+    values = np.array([value for _, value in found if value is not None] + substitute)
+    if values.size == 0 and number.reduce not in OF_NONE:
+        return Measured(None, len(runs), without, f"no run has {number.quantity}")
+    value = REDUCTIONS[number.reduce](values) if number.reduce else float(values[0])
+    if not np.isfinite(value):
+        return Measured(None, len(runs), without, f"{number.reduce} of {number.quantity} overflows")
+    return Measured(value, len(runs), without)

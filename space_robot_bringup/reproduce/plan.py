@@ -1,0 +1,202 @@
+"""From a manifest to its flights: groups expanded, equal runs flown once, each with the command that flies it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shlex
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from space_robot_bringup.experiment import Experiment, load_experiment
+from space_robot_bringup.reproduce.spec import Manifest, RunGroup
+from space_robot_description.share import config_dir, is_file, shipped
+from space_robot_description.validation import nearest, parse_yaml, validate
+from space_robot_msgs_py.errors import InputFileError, SpaceRobotError, SpecError
+
+LONGEST_NAME = 80
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedFlight:
+    """A run that is flown once, however many figures show it.
+
+    Attributes:
+        name: of its bag.
+        argument: the experiment as the command line takes it.
+        overrides: ``dotted.key=value`` as the command line takes them.
+        experiment: what they give.
+    """
+
+    name: str
+    argument: str
+    overrides: tuple[str, ...]
+    experiment: Experiment
+
+    @property
+    def command(self) -> str:
+        """The command that flies this run alone, to the same bits."""
+        settings = [word for override in self.overrides for word in ("--set", override)]
+        return shlex.join(["space-robot", "run", self.argument, *settings])
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedRun:
+    """A flight as one figure shows it.
+
+    Attributes:
+        label: group and what varies in it.
+        group: of the figure.
+        values: what the group sets, by dotted key; ``seed`` too.
+        flight: the flight.
+    """
+
+    label: str
+    group: str
+    values: Mapping[str, Any]
+    flight: PlannedFlight
+
+
+Runs = dict[str, tuple[PlannedRun, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is to be flown for which figure.
+
+    Attributes:
+        name: of the paper: file name of its manifest.
+        argument: the paper as the command line takes it.
+        manifest: it.
+        runs: figure -> group -> runs.
+    """
+
+    name: str
+    argument: str
+    manifest: Manifest
+    runs: dict[str, Runs]
+
+    def flights(self, figures: Iterable[str]) -> dict[str, PlannedFlight]:
+        """The flights these figures take, by name, in the order of the manifest."""
+        runs = (run for figure in figures for group in self.runs[figure].values() for run in group)
+        return {run.flight.name: run.flight for run in runs}
+
+
+def load_plan(paper: str) -> Plan:
+    """Read a manifest and expand its groups.
+
+    Args:
+        paper: a shipped name such as ``liu2023``, or the path of a YAML file.
+
+    Raises:
+        InputFileError: there is no such paper or experiment.
+        SpecError: a key or value cannot be used.
+    """
+    path = manifest_path(paper)
+    manifest = read_manifest(path, paper)
+    planner = _Planner(path.parent)
+    runs = {
+        name: {
+            label: planner.expand(label, group, f"{paper} figures.{name}.runs.{label}")
+            for label, group in figure.runs.items()
+        }
+        for name, figure in manifest.figures.items()
+    }
+    return Plan(path.stem, paper, manifest, runs)
+
+
+def read_manifest(path: Path, where: str) -> Manifest:
+    """The typed manifest in a file; ``where`` names it in errors."""
+    data = parse_yaml(path)
+    if isinstance(figures := data.get("figures"), dict):
+        # Figure 8 is written 8 in YAML and is a number there.
+        data["figures"] = {str(name): figure for name, figure in figures.items()}
+    return validate(Manifest, data, where)
+
+
+def manifest_path(paper: str) -> Path:
+    """The manifest of a shipped paper, or the given path."""
+    if is_file(path := Path(paper)):
+        return path
+    if is_file(inside := config_dir() / "papers" / f"{paper}.yaml"):
+        return inside
+    names = shipped("papers")
+    known = nearest(paper, names) or ", ".join(names) or "none is shipped"
+    raise InputFileError(
+        "no such manifest or shipped paper", key="paper", value=paper, accepted=f"a YAML file, or one of: {known}"
+    )
+
+
+def choose_figures(manifest: Manifest, chosen: Iterable[str]) -> list[str]:
+    """The chosen figures in the order of the manifest; all if none is chosen.
+
+    Raises:
+        SpecError: there is no such figure.
+    """
+    wanted = list(chosen)
+    for name in wanted:
+        if name not in manifest.figures:
+            names = list(manifest.figures)
+            accepted = nearest(name, names) or ", ".join(names)
+            raise SpecError("no such figure", key="--figure", value=name, accepted=accepted)
+    return [name for name in manifest.figures if not wanted or name in wanted]
+
+
+class _Planner:
+    """Gives each distinct experiment one name, whatever figures are flown."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._known: dict[str, PlannedFlight] = {}
+        self._names: set[str] = set()
+
+    def expand(self, label: str, group: RunGroup, key: str) -> tuple[PlannedRun, ...]:
+        """The runs of a group, swept values first, seeds innermost."""
+        axes: dict[str, tuple[Any, ...]] = dict(group.sweep)
+        if group.seed_list:
+            axes["seed"] = group.seed_list
+        runs = []
+        for point in product(*axes.values()):
+            varied = dict(zip(axes, point, strict=True))
+            values = {**group.set, **varied}
+            flight = self._flight(group.experiment, values, key)
+            seed = {"seed": flight.experiment.seed}
+            runs.append(PlannedRun(_label(label, varied), label, {**seed, **values}, flight))
+        return tuple(runs)
+
+    def _flight(self, name: str, values: Mapping[str, Any], key: str) -> PlannedFlight:
+        beside = self._folder / name
+        argument = str(beside) if is_file(beside) else name
+        # JSON is YAML: the value reads back as it stands in the manifest.
+        overrides = tuple(f"{path}={json.dumps(value, allow_nan=False)}" for path, value in values.items())
+        try:
+            experiment = load_experiment(argument, overrides)
+        except SpaceRobotError as error:
+            raise SpecError(str(error), key=key) from None
+        content = experiment.model_dump_json()
+        if content not in self._known:
+            flight_name = self._name(argument, values, content)
+            self._known[content] = PlannedFlight(flight_name, argument, overrides, experiment)
+        return self._known[content]
+
+    def _name(self, argument: str, values: Mapping[str, Any], content: str) -> str:
+        words = [Path(argument).stem, *(f"{_last(path)}-{value}" for path, value in values.items())]
+        name = re.sub(r"[^\w.+-]+", "-", "_".join(words))
+        if len(name) > LONGEST_NAME or name in self._names:
+            name = f"{name[:LONGEST_NAME]}_{hashlib.sha256(content.encode()).hexdigest()[:8]}"
+        self._names.add(name)
+        return name
+
+
+def _label(group: str, varied: Mapping[str, Any]) -> str:
+    if len(varied) == 1:
+        return f"{group} {next(iter(varied.values()))}"
+    return " ".join([group, ", ".join(f"{_last(key)} {value}" for key, value in varied.items())]).strip()
+
+
+def _last(key: str) -> str:
+    return key.rpartition(".")[2]

@@ -1,0 +1,65 @@
+"""A reproduction on a terminal: claim by claim."""
+
+from __future__ import annotations
+
+from rich.console import Console
+
+from space_robot_bringup.reproduce.summary import Data
+
+STYLES = {"holds": "green", "does not hold": "yellow", "not checkable": "dim", "undecided": "red"}
+
+
+def show(console: Console, data: Data) -> None:
+    """Print every claim with what was measured, then what is not as documented.
+
+    Args:
+        console: where to.
+        data: see ``summary``.
+    """
+    console.print(f"{data['title']} ({data['citation']})", style="bold", markup=False, soft_wrap=True)
+    for figure in data["figures"]:
+        console.print(f"\n{heading(figure)}", style="bold", markup=False, soft_wrap=True)
+        for claim in figure["claims"]:
+            _claim(console, claim)
+        for group, times in figure["timing"].items():
+            numbers = f"mean {times['mean']:.1f}, median {times['median']:.1f}, 99 % below {times['p99']:.1f} us"
+            console.print(f"  {group}: {numbers} per cycle, {times['repeats']} repeats", markup=False, soft_wrap=True)
+        for run in figure["runs"]:
+            if run["label"] in figure["failed"]:
+                line = f"  failed: {run['label']}: {run['end_reason']}"
+                console.print(line, style="red", markup=False, soft_wrap=True)
+    word, style = ("as documented", "bold green") if data["passed"] else ("NOT as documented", "bold red")
+    console.print(f"\n{count(data)}: {word}", style=style, markup=False, soft_wrap=True)
+
+
+def heading(figure: Data) -> str:
+    """What a figure is called: its number where it is one, its own name otherwise."""
+    name = f"Figure {figure['name']}" if figure["name"].isdigit() else figure["name"]
+    beyond = " (beyond the paper)" if figure["kind"] == "beyond" else ""
+    return f"{name}: {figure['title']}{beyond}"
+
+
+def count(data: Data) -> str:
+    """How many claims have which verdict, from how many runs."""
+    verdicts = [claim["verdict"] for figure in data["figures"] for claim in figure["claims"]]
+    parts = [f"{verdicts.count(verdict)} {verdict}" for verdict in STYLES if verdict in verdicts]
+    return f"{len(verdicts)} claims ({', '.join(parts) or 'none'}) from {data['runs']} runs"
+
+
+def _claim(console: Console, claim: Data) -> None:
+    console.print(f"  {claim['paper']}", style="italic", markup=False, soft_wrap=True)
+    console.print(f"    {claim['verdict']}", style=STYLES[claim["verdict"]], end="", markup=False)
+    if claim["found"]:
+        seeds = f", seed {claim['seeds']}" if claim["seeds"] else ""
+        text = f": {claim['found']} ({claim['runs']} runs{seeds})"
+        console.print(text, end="", markup=False, soft_wrap=True)
+    console.print()
+    for measure in claim["measures"].values():
+        if measure["without"]:
+            line = f"    {len(measure['without'])} of {measure['runs']} runs lack {measure['meaning']}"
+            console.print(f"{line}; missing: {measure['missing']}", markup=False, soft_wrap=True)
+    if claim["because"]:
+        console.print(f"    {claim['because']}", style="dim", markup=False, soft_wrap=True)
+    if claim["changed"]:
+        line = f"    CHANGED: documented as {claim['documented']!r}"
+        console.print(line, style="bold red", markup=False, soft_wrap=True)

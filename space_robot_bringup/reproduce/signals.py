@@ -1,0 +1,151 @@
+"""Signals by name: what of a log can be drawn or measured, and what it is called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from space_robot_bringup.compose import Composition
+from space_robot_bringup.metrics import Matrix, axis_names, deviations
+from space_robot_control.rotations import to_rpy
+from space_robot_description.inertia import inertial_parameters
+from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.interfaces import PlantSample, Vector
+from space_robot_msgs_py.log_arrays import LogArrays
+
+PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+AXIS_FIELDS = ("value", "reference", "error")
+# Of inertial parameters; the last two are known where the law tells its estimate.
+KINDS = ("truth", "prior", "estimate", "mismatch")
+TOTALS = ("base.error", "base.position_error", "joints.error")
+# The block of a law's telemetry that holds its inertial parameters, body by body in the order of PARAMETERS.
+ESTIMATE = "parameters"
+
+
+def signal_names(composition: Composition) -> tuple[list[str], bool]:
+    """Every name that ``Signals.of`` knows for runs of this composition, and whether the law said what it shows.
+
+    - ``<axis>.value | reference | error``, axes as in the metrics, ``base/x`` to ``base/z`` of every robot [deg or m];
+    - ``base.error`` (angle), ``joints.error`` (largest) [deg], ``base.position_error`` [m];
+    - ``command.force | torque | effort``, ``controller.<label>``, ``plant.<label>``: the norm, or one element ``[i]``;
+    - ``truth | prior | estimate | mismatch/<body>/<parameter>``: of the robot that flies (a capture changes it), the
+      nominal one, the law's telemetry, and estimate minus truth.
+
+    A law that has no answer even to the first state shows nothing; names of its telemetry cannot be told then.
+    """
+    sample = composition.plant().reset()
+    blocks = {"command.force": 3, "command.torque": 3, "command.effort": composition.nominal.n}
+    blocks |= {f"plant.{label}": block.size for label, block in sample.telemetry.items()}
+    law = _first_answer(composition, sample)
+    shown = law or {}
+    blocks |= {f"controller.{label}": block.size for label, block in shown.items()}
+    names = [f"{axis}.{field}" for axis in _axes(composition) for field in AXIS_FIELDS] + list(TOTALS)
+    for label, size in blocks.items():
+        names += [label, *(f"{label}[{index}]" for index in range(size))]
+    bodies = composition.nominal.body_names
+    adapts = ESTIMATE in shown and shown[ESTIMATE].size == len(PARAMETERS) * len(bodies)
+    kinds = KINDS if adapts else KINDS[:2]
+    names += [f"{kind}/{body}/{name}" for kind in kinds for body in bodies for name in PARAMETERS]
+    return names, law is not None
+
+
+def _first_answer(composition: Composition, sample: PlantSample) -> dict[str, Vector] | None:
+    """The law's telemetry at the first state; None if it has no answer even to that."""
+    try:
+        output = composition.controller().update(sample.state, composition.reference().at(0))
+    except SpaceRobotError:
+        return None
+    return dict(output.telemetry.items())
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """The signals of one run.
+
+    Args:
+        arrays: its log; at least one tick.
+        composition: what it was flown from.
+    """
+
+    arrays: LogArrays
+    composition: Composition
+
+    def of(self, name: str) -> Vector:
+        """(K,) the signal at every tick; see ``signal_names``.
+
+        Raises:
+            KeyError: this run has no such signal.
+        """
+        if name in TOTALS:
+            return self._total(name)
+        if "/" in name and name.partition("/")[0] in KINDS:
+            return self._parameter(*name.split("/"))
+        source, _, rest = name.partition(".")
+        if source in ("command", "controller", "plant"):
+            return self._element(getattr(self, f"_{source}"), rest)
+        return self._axis(*name.rsplit(".", 1))
+
+    @cached_property
+    def errors(self) -> Matrix:
+        """(K, 6+n) actual minus desired of the true motion: position [m], rotation vector [deg], joints [deg]."""
+        raw = deviations(self.arrays.plant["true_configuration"], self.arrays.q_d)
+        return np.hstack([raw[:, :3], np.degrees(raw[:, 3:])])
+
+    def _total(self, name: str) -> Vector:
+        if name == "joints.error":
+            largest: Vector = np.abs(self.errors[:, 6:]).max(axis=1, initial=0.0)
+            return largest
+        return norms(self.errors[:, 3:6] if name == "base.error" else self.errors[:, :3])
+
+    def _axis(self, axis: str, field: str) -> Vector:
+        index = _axes(self.composition).index(axis)
+        if field == "error":
+            return self.errors[:, index]
+        q = self.arrays.plant["true_configuration"] if field == "value" else self.arrays.q_d
+        if index < 3:
+            return q[:, index]
+        if index < 6:
+            return np.degrees([to_rpy(row[3:7])[index - 3] for row in q])
+        return np.degrees(q[:, index + 1])
+
+    @property
+    def _command(self) -> dict[str, Vector]:
+        wrench = self.arrays.wrench
+        return {"force": wrench[:, :3], "torque": wrench[:, 3:], "effort": self.arrays.effort_command}
+
+    @property
+    def _controller(self) -> dict[str, Vector]:
+        return self.arrays.controller
+
+    @property
+    def _plant(self) -> dict[str, Vector]:
+        return self.arrays.plant
+
+    def _element(self, blocks: dict[str, Vector], name: str) -> Vector:
+        label, bracket, index = name.removesuffix("]").partition("[")
+        block = blocks[label]
+        return block[:, int(index)] if bracket else norms(block)
+
+    def _parameter(self, kind: str, body: str, parameter: str) -> Vector:
+        row, column = self.composition.nominal.body_names.index(body), PARAMETERS.index(parameter)
+        if kind == "mismatch":
+            return self._parameter("estimate", body, parameter) - self._parameter("truth", body, parameter)
+        if kind == "estimate":
+            return self.arrays.controller[ESTIMATE][:, row * len(PARAMETERS) + column]
+        first = self.composition.truth if kind == "truth" else self.composition.nominal
+        values = np.full(self.arrays.time.size, inertial_parameters(first)[row, column])
+        for stamp, robot in self.composition.changes if kind == "truth" else ():
+            values[self.arrays.stamp >= stamp] = inertial_parameters(robot)[row, column]
+        return values
+
+
+def norms(rows: Matrix) -> Vector:
+    """(K,) Euclidean norms of rows."""
+    lengths: Vector = np.sqrt(np.sum(rows**2, axis=1))
+    return lengths
+
+
+def _axes(composition: Composition) -> list[str]:
+    return axis_names(composition.joint_names, base_translation=True)

@@ -1,0 +1,240 @@
+"""The manifest of a paper, typed: the runs of a figure, what is drawn of them, what the paper says about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+
+from space_robot_description.spec import Strict
+
+Takes = Literal["final", "max", "min", "mean", "rms", "max_abs"]
+Reductions = Literal["min", "max", "mean", "median", "std", "sum", "count"]
+Verdict = Literal["holds", "does not hold", "not checkable"]
+Scale = Literal["linear", "log", "symlog"]
+Texts = Annotated[tuple[str, ...], Field(min_length=1)]
+# More bags than this fill a disk sooner than anybody looks at them.
+KEEP_ALL_UP_TO = 40
+
+
+class SeedRange(Strict):
+    """Many seeds in a row."""
+
+    first: NonNegativeInt = 0
+    count: PositiveInt
+
+
+class RunGroup(Strict):
+    """Runs of one experiment under one label: every combination of the swept values and the seeds."""
+
+    experiment: str = Field(description="shipped name, or a YAML file relative to the manifest")
+    set: dict[str, Any] = Field(default_factory=dict, description="overrides of every run, dotted key -> value")
+    sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(
+        default_factory=dict, description="dotted key -> values, one run per value"
+    )
+    seeds: tuple[NonNegativeInt, ...] | SeedRange = Field(default=(), description="one run per seed")
+    may_fail: bool = Field(default=False, description="a run that does not complete is a result, not a failure")
+
+    @property
+    def seed_list(self) -> tuple[int, ...]:
+        """Every seed, in order."""
+        if isinstance(self.seeds, SeedRange):
+            return tuple(range(self.seeds.first, self.seeds.first + self.seeds.count))
+        return self.seeds
+
+    @model_validator(mode="after")
+    def _said_once(self) -> Self:
+        twice = self.set.keys() & self.sweep.keys()
+        if self.seed_list:
+            twice |= {"seed"} & (self.set.keys() | self.sweep.keys())
+        if twice:
+            raise ValueError(f"{min(twice)} is said twice")
+        if len(set(self.seed_list)) != len(self.seed_list):
+            raise ValueError("a seed stands there twice")
+        return self
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """One number of one run: a metric, or something taken of a signal over a window [s]."""
+
+    metric: str = ""
+    signal: str = ""
+    take: str = ""
+    after: float = 0.0
+    before: float | None = None
+
+    def __str__(self) -> str:
+        if self.metric:
+            return self.metric
+        until = "" if self.before is None else f" before {self.before:g} s"
+        since = f" after {self.after:g} s" if self.after else ""
+        return f"{self.take} of {self.signal}{since}{until}"
+
+
+class Number(Strict):
+    """A number over runs: what it is of each, and how many become one."""
+
+    metric: str | None = Field(default=None, description="a metric of the run, or completed, or diverged")
+    signal: str | None = Field(default=None, description="a signal, of which `take` takes a number")
+    take: Takes | None = None
+    after: NonNegativeFloat = Field(default=0.0, description="the signal from this time on [s]")
+    before: PositiveFloat | None = Field(default=None, description="the signal up to this time [s]")
+    reduce: Reductions | None = Field(
+        default=None, description="how the runs become one number; none: there is one run"
+    )
+    missing: Literal["refuse", "skip"] | float = Field(
+        default="refuse", description="a run without the number: no result, left out and counted, or this number"
+    )
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if (self.metric is None) == (self.signal is None):
+            raise ValueError("say metric or signal")
+        if (self.signal is None) != (self.take is None):
+            raise ValueError("signal and take belong together")
+        if self.metric is not None and (self.after or self.before is not None):
+            raise ValueError("after and before cut signals, not metrics")
+        if self.before is not None and self.before <= self.after:
+            raise ValueError("before must be later than after")
+        return self
+
+    @property
+    def quantity(self) -> Quantity:
+        """What is asked of each run."""
+        return Quantity(self.metric or "", self.signal or "", self.take or "", self.after, self.before)
+
+
+class Measure(Number):
+    """A number over the runs of one or more groups of the figure."""
+
+    of: str | Texts = Field(description="group, or groups")
+    where: dict[str, Any] = Field(default_factory=dict, description="only runs whose set or swept key has this value")
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """The groups named."""
+        return (self.of,) if isinstance(self.of, str) else self.of
+
+
+class TimingMeasure(Strict):
+    """A computation time of the figure's timing table [us]: of this machine, so only for claims on its order."""
+
+    timing: Literal["mean", "median", "p99"]
+    of: str = Field(description="group of the timing table")
+
+
+class Claim(Strict):
+    """What the paper says, how it is checked, and what was found when the manifest was written."""
+
+    paper: str = Field(min_length=1, description="the paper's words")
+    measures: dict[str, Measure | TimingMeasure] = Field(default_factory=dict, description="name -> number")
+    holds_if: str = Field(default="", description="a condition over the measures")
+    found: str = Field(default="", description="what was measured: a format string over the measures, n and seeds")
+    verdict: Verdict = Field(description="the documented verdict; another one is an error")
+    because: str = Field(default="", description="why, in a sentence or two")
+
+    @model_validator(mode="after")
+    def _checkable(self) -> Self:
+        if self.verdict == "not checkable":
+            if self.measures or self.holds_if or self.found:
+                raise ValueError("a claim that is not checkable has no measures, holds_if or found")
+            if not self.because:
+                raise ValueError("a claim that is not checkable says because")
+        elif not (self.measures and self.holds_if and self.found):
+            raise ValueError("a checkable claim has measures, holds_if and found")
+        return self
+
+
+class Style(Strict):
+    """How a group or a signal is drawn; what is not said is chosen."""
+
+    color: str | None = None
+    line: Literal["solid", "dashed", "dotted", "dashdot"] | None = None
+    width: PositiveFloat | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _color_alone(cls, data: Any) -> Any:
+        return {"color": data} if isinstance(data, str) else data
+
+
+class Drawing(Strict):
+    """What panels and charts have in common."""
+
+    of: Texts | None = Field(default=None, description="groups; default: all of the figure")
+    label: str = Field(default="", description="of the vertical axis, with its unit")
+    legend: dict[str, str] = Field(default_factory=dict, description="group or signal -> text; empty text: no entry")
+    style: dict[str, Style] = Field(default_factory=dict, description="group or signal -> color, or a style")
+    y_scale: Scale = "linear"
+    limits: tuple[float, float] | None = Field(default=None, description="of the vertical axis")
+
+
+class Panel(Drawing):
+    """Signals over time, one curve per run."""
+
+    signals: Texts
+    after: NonNegativeFloat = Field(default=0.0, description="drawn from here [s]")
+    before: PositiveFloat | None = Field(default=None, description="drawn up to here [s]")
+
+
+class Chart(Drawing):
+    """A number of each run, over a key of the experiment or side by side by group."""
+
+    measure: Number
+    x: str = Field(default="", description="dotted key whose value is the abscissa; empty: one column per group")
+    x_label: str = ""
+    x_scale: Scale = "linear"
+
+
+class Table(Strict):
+    """One row per group or per run, one column per number."""
+
+    title: str = ""
+    rows: Literal["groups", "runs"] = "groups"
+    of: Texts | None = Field(default=None, description="groups; default: all of the figure")
+    columns: dict[str, Number] = Field(min_length=1, description="heading -> number")
+    digits: Annotated[int, Field(ge=1, le=15)] = Field(default=4, description="significant digits")
+
+
+class Timing(Strict):
+    """How long one control cycle of the law takes on this machine, over the states and references of a flown run."""
+
+    of: Texts = Field(description="groups of one run each")
+    repeats: Annotated[int, Field(ge=10, le=10_000_000)] = 10_000
+
+
+class Bounds(Strict):
+    """A run has diverged if it did not complete or an error was ever larger than this."""
+
+    attitude: PositiveFloat = Field(default=90.0, description="angle of the attitude error [deg]; 180 is never reached")
+    joints: PositiveFloat = Field(default=180.0, description="largest joint error [deg]")
+    position: PositiveFloat = Field(default=10.0, description="position error of a free-flying base [m]")
+
+
+class Figure(Strict):
+    """A figure or table of the paper, or a study beyond it."""
+
+    title: str
+    kind: Literal["paper", "beyond"] = "paper"
+    caption: str = ""
+    runs: dict[str, RunGroup] = Field(min_length=1, description="label -> runs")
+    panels: tuple[Panel, ...] = ()
+    charts: tuple[Chart, ...] = ()
+    tables: tuple[Table, ...] = ()
+    timing: Timing | None = None
+    diverged: Bounds = Field(default_factory=Bounds)
+    keep: Literal["all", "failed", "none"] | None = Field(
+        default=None, description=f"which bags stay; default: all of up to {KEEP_ALL_UP_TO} runs, else failed"
+    )
+    claims: tuple[Claim, ...] = ()
+
+
+class Manifest(Strict):
+    """One paper."""
+
+    title: str
+    citation: str
+    notes: str = Field(default="", description="on top of the page: what the paper leaves open")
+    figures: dict[str, Figure] = Field(min_length=1, description="number or name -> figure")

@@ -1,0 +1,131 @@
+"""A reproduction as plain data: what the page shows and ``claims.json`` holds."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from space_robot_bringup.compose import versions
+from space_robot_bringup.reproduce.claims import Judgement, seed_text
+from space_robot_bringup.reproduce.measures import FlownRun, Measured, reduce
+from space_robot_bringup.reproduce.plan import Plan
+from space_robot_bringup.reproduce.reproduction import RUNS, FlownFigure
+from space_robot_bringup.reproduce.spec import Figure, Measure, Table
+
+Data = dict[str, Any]
+
+
+def summary(plan: Plan, flown: Sequence[FlownFigure], pictures: dict[str, str]) -> Data:
+    """Everything that was found, in numbers and words; no NaN, and of the wall clock only cycle times.
+
+    Args:
+        plan: of the paper.
+        flown: its figures.
+        pictures: file name by figure.
+    """
+    manifest = plan.manifest
+    return {
+        "paper": plan.name,
+        "command": shlex.join(["space-robot", "reproduce", plan.argument]),
+        "title": manifest.title,
+        "citation": manifest.citation,
+        "notes": manifest.notes,
+        "passed": passed(flown),
+        "runs": len({run.flight.name for figure in flown for run, _ in figure.runs}),
+        "versions": versions(),
+        "figures": [_figure(figure, pictures.get(figure.name)) for figure in flown],
+    }
+
+
+def passed(flown: Sequence[FlownFigure]) -> bool:
+    """Every verdict is the documented one, and no run failed that should not."""
+    return not any(figure.failures or any(one.changed for one in figure.judgements) for figure in flown)
+
+
+def _figure(flown: FlownFigure, picture: str | None) -> Data:
+    failed = [run.label for run, _ in flown.failures]
+    return {
+        "name": flown.name,
+        "title": flown.figure.title,
+        "kind": flown.figure.kind,
+        "caption": flown.figure.caption,
+        "picture": picture,
+        "claims": [_claim(judgement) for judgement in flown.judgements],
+        "tables": [_table(table, flown) for table in flown.figure.tables],
+        "timing": {group: asdict(times) for group, times in flown.times.items()},
+        "runs": [_run(pair, flown.figure) for pair in flown.runs],
+        "failed": failed,
+    }
+
+
+def _claim(judgement: Judgement) -> Data:
+    claim = judgement.claim
+    return {
+        "paper": claim.paper,
+        "verdict": judgement.verdict,
+        "documented": claim.verdict,
+        "changed": judgement.changed,
+        "found": judgement.found,
+        "because": claim.because,
+        "condition": claim.holds_if,
+        "measures": {name: _measure(claim.measures[name], measured) for name, measured in judgement.measured.items()},
+        "runs": judgement.runs,
+        "seeds": seed_text(judgement.seeds),
+    }
+
+
+def _measure(measure: Any, measured: Measured) -> Data:
+    if isinstance(measure, Measure):
+        where = "".join(f", {key} = {value}" for key, value in measure.where.items())
+        meaning = f"{measure.quantity} of {', '.join(measure.groups)}{where}"
+        if measure.reduce:
+            meaning = f"{measure.reduce}: {meaning}"
+    else:
+        meaning = f"{measure.timing} time of a cycle of {measure.of} [us]"
+    return {
+        "meaning": meaning,
+        "value": measured.value,
+        "runs": measured.runs,
+        "without": list(measured.without),
+        "missing": getattr(measure, "missing", "refuse"),
+        "why": measured.why,
+    }
+
+
+def _table(table: Table, flown: FlownFigure) -> Data:
+    runs = [pair for pair in flown.runs if table.of is None or pair[0].group in table.of]
+    rows: dict[str, list[FlownRun]] = {}
+    for pair in runs:
+        rows.setdefault(pair[0].group if table.rows == "groups" else pair[0].label, []).append(pair)
+    cells = {
+        row: [reduce(number, members, flown.figure.diverged) for number in table.columns.values()]
+        for row, members in rows.items()
+    }
+    return {
+        "title": table.title,
+        "columns": list(table.columns),
+        "digits": table.digits,
+        "rows": {row: [_cell(one) for one in found] for row, found in cells.items()},
+    }
+
+
+def _cell(measured: Measured) -> Data:
+    return {"value": measured.value, "runs": measured.runs, "without": len(measured.without)}
+
+
+def _run(pair: FlownRun, figure: Figure) -> Data:
+    run, flight = pair
+    broken = f"{', '.join(flight.broken)} beyond the plant's own bound" if flight.broken else ""
+    return {
+        "label": run.label,
+        "group": run.group,
+        "command": run.flight.command,
+        "seed": run.flight.experiment.seed,
+        "bag": f"{RUNS}/{run.flight.name}" if flight.bag else None,
+        "end_reason": broken or flight.end_reason,
+        "completed": flight.completed,
+        "diverged": flight.diverged(figure.diverged),
+        "warnings": list(flight.warnings),
+    }

@@ -1,0 +1,56 @@
+"""How long a law takes per control cycle: its answers to the states of a flown run, timed one by one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import cycle
+from pathlib import Path
+from time import perf_counter_ns
+
+import numpy as np
+
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.log_reader import LogReader
+
+NANOSECONDS_PER_MICROSECOND = 1e3
+
+
+@dataclass(frozen=True, slots=True)
+class CycleTimes:
+    """Wall time of one update of a law on this machine [us]."""
+
+    mean: float
+    median: float
+    p99: float
+    repeats: int
+
+
+def time_law(argument: str, overrides: tuple[str, ...], log: Path, repeats: int) -> CycleTimes | None:
+    """Time ``update`` over the states and references of a log, again from its start as often as it takes.
+
+    Args:
+        argument: experiment, as ``load_experiment`` takes it.
+        overrides: likewise.
+        log: a run of this experiment.
+        repeats: number of updates timed.
+
+    Returns:
+        The times; None if the law fails on these states.
+    """
+    ticks = [(tick.sample.state, tick.reference) for tick in LogReader(log).ticks()]
+    law = compose(load_experiment(argument, overrides)).controller()
+    spent = np.empty(repeats)
+    try:
+        for index, (state, reference) in zip(range(repeats), cycle(ticks), strict=False):
+            if index % len(ticks) == 0:
+                law.reset()
+            begun = perf_counter_ns()
+            law.update(state, reference)
+            spent[index] = perf_counter_ns() - begun
+    except SpaceRobotError:
+        return None
+    spent /= NANOSECONDS_PER_MICROSECOND
+    p99 = float(np.percentile(spent, 99))
+    return CycleTimes(float(spent.mean()), float(np.median(spent)), p99, repeats)

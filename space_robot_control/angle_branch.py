@@ -1,0 +1,46 @@
+"""Roll, pitch, yaw of a sequence of attitudes without jumps: angles that count turns."""
+
+from __future__ import annotations
+
+from math import copysign, cos, pi, remainder, tau
+
+from space_robot_control.rotations import Floats, Three, to_rpy
+
+# [-]: at a |cos pitch| below this, roll and yaw are not told apart by a quaternion of doubles.
+LOCKED = 1e-7
+
+
+def wrapped(angle: float) -> float:
+    """Return the angle in [-pi, pi] that differs by whole turns [rad]."""
+    return remainder(angle, tau)
+
+
+class AngleBranch:
+    """Roll, pitch, yaw of a sequence of attitudes without jumps: each the triplet nearest to the one before.
+
+    A rotation has the triplets (r, p, y) and (r + pi, pi - p, y + pi), each angle up to whole turns. At pitch = +-90
+    degrees only the difference or the sum of roll and yaw is given; yaw then stays.
+
+    Args:
+        start: (3,) angles that the first triplet is to be near [rad].
+    """
+
+    def __init__(self, start: Three) -> None:
+        self._last = start
+
+    def nearest(self, quaternion: Floats) -> Three:
+        """Return the triplet of an attitude [rad], and remember it."""
+        roll, pitch, yaw = to_rpy(quaternion)
+        if cos(pitch) < LOCKED:
+            sign = copysign(1.0, pitch)
+            roll, yaw = roll - sign * (yaw - self._last[2]), self._last[2]
+        triplets = [self._moved(roll, pitch, yaw), self._moved(roll + pi, pi - pitch, yaw + pi)]
+        self._last = min(triplets, key=self._distance)
+        return self._last
+
+    def _moved(self, *angles: float) -> Three:
+        roll, pitch, yaw = (last + wrapped(angle - last) for angle, last in zip(angles, self._last, strict=True))
+        return roll, pitch, yaw
+
+    def _distance(self, rpy: Three) -> float:
+        return sum((angle - last) ** 2 for angle, last in zip(rpy, self._last, strict=True))

@@ -1,0 +1,44 @@
+"""One gain per degree of freedom, as files say it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field, NonNegativeFloat, model_validator
+
+from space_robot_description.robot import Robot
+from space_robot_description.spec import Strict, expand
+from space_robot_msgs_py.interfaces import Vector
+
+Axes = NonNegativeFloat | Annotated[tuple[NonNegativeFloat, ...], Field(min_length=3, max_length=3)]
+Joints = NonNegativeFloat | tuple[NonNegativeFloat, ...] | dict[str, NonNegativeFloat]
+
+
+class PerDof(Strict):
+    """Base translation, base rotation and joints; one number in place of a section stands for all three.
+
+    Subclasses state the unit and give the three fields their defaults.
+    """
+
+    translation: Axes
+    rotation: Axes
+    joints: Joints
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_for_all(cls, data: Any) -> Any:
+        if isinstance(data, (int, float)) and not isinstance(data, bool):
+            return {"translation": data, "rotation": data, "joints": data}
+        return data
+
+    def values(self, robot: Robot, key: str) -> Vector:
+        """Return (6+n,) numbers: translation, rotation, joints.
+
+        Raises:
+            SpecError: the joints are not the robot's; the message starts with ``key``.
+        """
+        out = np.empty(6 + robot.n)
+        out[:3], out[3:6] = self.translation, self.rotation
+        out[6:] = expand(self.joints, robot.joint_names, f"{key}.joints")
+        return out

@@ -1,0 +1,44 @@
+"""The momentum in the reaction wheels and the torque it takes to turn them with the base."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from space_robot_control.rotations import cross
+from space_robot_description.robot import Robot
+from space_robot_description.spec import ReactionWheels
+from space_robot_msgs_py.interfaces import Vector
+
+
+class WheelMomentum:
+    """Momentum h of the nominal wheels in the body frame, dead-reckoned from the commanded torque: h' = -torque.
+
+    A base that turns with omega feels -omega x h beside the commanded torque. No topic carries wheel speeds, so a
+    law that wants to know h integrates its own commands; what saturates does not count, what is lost by friction is
+    not known. Robots without wheels have h = 0.
+
+    Args:
+        robot: the NOMINAL robot.
+        known: false: the law ignores the wheels' momentum, h = 0.
+
+    Attributes:
+        momentum: (3,) h at the present stamp [N m s].
+    """
+
+    def __init__(self, robot: Robot, *, known: bool = True) -> None:
+        wheels = robot.actuators.base_torque
+        self._present = known and isinstance(wheels, ReactionWheels)
+        self.momentum: Vector = np.zeros(3)
+        if known and isinstance(wheels, ReactionWheels) and wheels.initial_momentum is not None:
+            axes = np.array(wheels.axes)
+            axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+            self.momentum = np.array(wheels.initial_momentum) @ axes
+
+    def after(self, torque: Vector, seconds: float) -> Vector:
+        """Return h (3,) after a torque (3,) [N m] on the base for that long [s]."""
+        return self.momentum - seconds * torque if self._present else self.momentum
+
+
+def gyroscopic(omega: Vector, momentum: Vector) -> Vector:
+    """Return omega x h (3,) [N m], the torque that turning the wheels takes, body frame."""
+    return np.array(cross(omega, momentum))

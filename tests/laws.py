@@ -1,0 +1,45 @@
+"""Laws that fail in the ways in which a law can fail."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+import numpy as np
+
+from space_robot_control.laws.base import Blocks, Law
+from space_robot_msgs_py.errors import ControlError
+from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, RobotState, Vector
+
+
+class GivesUp(Law):
+    """Ends the run with a reason of its own at 0.5 s."""
+
+    name = "gives_up"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return nothing forever."""
+        if state.stamp >= NANOSECONDS // 2:
+            raise ControlError("enough", key="patience")
+        return np.zeros(6 + self.n), {"patience": np.ones(1)}
+
+
+class Buggy(Law):
+    """Raises what no law should."""
+
+    name = "buggy"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never return."""
+        raise KeyError("a typo")
+
+
+class Deadly(Law):
+    """Takes its whole process with it."""
+
+    name = "deadly"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never return."""
+        os.kill(os.getpid(), signal.SIGKILL)
+        raise AssertionError("survived")

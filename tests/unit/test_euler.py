@@ -1,0 +1,67 @@
+"""Euler coordinates against the rotations they come from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from space_robot_control import rotations as rot
+from space_robot_control.euler import (
+    accelerations,
+    body_torque,
+    difference,
+    euler_acceleration,
+    euler_state,
+    generalised_torque,
+    rates,
+)
+from space_robot_msgs_py.interfaces import Reference
+
+RNG = np.random.default_rng(3)
+ANGLES = [tuple(RNG.uniform((-3.1, -1.4, -3.1), (3.1, 1.4, 3.1))) for _ in range(50)]
+
+
+@pytest.mark.parametrize("rpy", ANGLES)
+def test_rates_and_accelerations_invert_those_of_rotations(rpy: tuple[float, ...]) -> None:
+    """Body rates and accelerations of a motion in roll, pitch, yaw give its derivatives back."""
+    drpy, ddrpy = RNG.normal(size=3), RNG.normal(size=3)
+    omega, alpha = rot.rpy_rates(rpy, drpy, ddrpy)
+    assert rates(rpy, omega) == pytest.approx(drpy, abs=1e-12)
+    assert accelerations(rpy, drpy, omega, alpha) == pytest.approx(ddrpy, abs=1e-11)
+
+
+@pytest.mark.parametrize("rpy", ANGLES)
+def test_generalised_torques_do_the_work_of_the_body_torque(rpy: tuple[float, ...]) -> None:
+    """tau_Phi . Phi' = tau . omega for any rates, and the two conversions are inverse."""
+    torque, drpy = RNG.normal(size=3), RNG.normal(size=3)
+    omega, _ = rot.rpy_rates(rpy, drpy, np.zeros(3))
+    x = np.array([0.0, 0.0, 0.0, *rpy[::-1]])
+    generalised = generalised_torque(x, torque.tolist())
+    assert np.dot(generalised, drpy[::-1]) == pytest.approx(torque @ omega, abs=1e-12)
+    assert body_torque(x, generalised) == pytest.approx(torque, abs=1e-12)
+
+
+def test_coordinates_of_a_motion_are_its_derivatives() -> None:
+    """The derivatives x' and x'' of a reference are the differences of x and x' along the motion that it belongs to."""
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
+    model.addJoint(joint, pin.JointModelRZ(), pin.SE3.Identity(), "arm")
+    q = np.array([0.3, -0.2, 0.1, *rot.from_rpy((0.4, -0.7, 1.9)), 0.5])
+    v, a, h = RNG.normal(size=7), RNG.normal(size=7), 1e-4
+
+    def at(t: float) -> tuple[np.ndarray, np.ndarray]:
+        moved = pin.integrate(model, q, t * v + 0.5 * t * t * a)
+        return euler_state(Reference(0, moved, v + t * a, a))
+
+    (x0, dx0), (x1, dx1), (x2, dx2) = at(-h), at(0.0), at(h)
+    assert (x2 - x0) / (2 * h) == pytest.approx(dx1, abs=1e-6)
+    assert (dx2 - dx0) / (2 * h) == pytest.approx(euler_acceleration(Reference(0, q, v, a), x1, dx1), abs=1e-6)
+
+
+def test_differences_go_the_short_way_round() -> None:
+    """Yaw and roll just across half a turn are near each other; joints are not wrapped."""
+    one, other = np.zeros(7), np.zeros(7)
+    one[3:], other[3:] = [3.1, 0.2, -3.1, 3.1], [-3.1, 0.1, 3.1, -3.1]
+    turn = 2.0 * np.pi - 6.2
+    assert difference(one, other)[3:] == pytest.approx([-turn, 0.1, turn, 6.2])
