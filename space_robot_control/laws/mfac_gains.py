@@ -70,8 +70,8 @@ class MfacGains(Law.Gains):
     )
     output_order: PositiveInt = Field(default=2, description="Ly")
     input_order: PositiveInt = Field(default=1, description="Lu")
-    estimator: EstimatorSpec = Field(default_factory=EstimatorSpec)
-    initial: InitialSpec = Field(default_factory=InitialSpec)
+    estimator: EstimatorSpec = Field(default_factory=EstimatorSpec, description="of the pseudo-partial derivative")
+    initial: InitialSpec = Field(default_factory=InitialSpec, description="where Phi(1) comes from")
     filter: FilterSpec | None = Field(default=None, description="rates from positions, and a gate; default: none")
     adjust: bool = Field(
         default=False, description="choose lead, kappa and rho from Phi(1), the limit and the first error"
