@@ -68,5 +68,7 @@ AnyPlant = Annotated[
     Annotated[PlantSpec, Tag("articulated")]
     | Annotated[AirbearingPlant, Tag("airbearing")]
     | Annotated[CapturedPlant, Tag("pccs")],
-    Discriminator(_kind),
+    Discriminator(
+        _kind, custom_error_type="plant_kind", custom_error_message="kind: one of articulated, airbearing, pccs"
+    ),
 ]

@@ -94,15 +94,15 @@ class ModelFree(Law):
         self._sensing.update(state, reference, self.channels.errors(state, errors))
         if self._tick == 0:
             self._start, self._response = self._sensing.error, self.channels.response(self._model, state.q)
-        identifying = self._excitation is not None and self._tick < self._excitation.ticks
-        inputs = self._identify() if identifying else self._control()
+        excitation = self._excitation
+        identifying = excitation is not None and self._tick < excitation.ticks
+        inputs = self._control() if excitation is None or not identifying else self._identify(excitation)
         self._tick += 1
         return self.channels.spread(inputs), {**error_blocks(errors), **self._blocks(identifying)}
 
-    def _identify(self) -> Vector:
-        assert self._excitation is not None
+    def _identify(self, excitation: Push | Pulses) -> Vector:
         self._moved = self._moved + self._sensing.moved_sample
-        inputs = self._excitation.at(self._tick, self._start)
+        inputs = excitation.at(self._tick, self._start)
         self._fit.add(self._moved, inputs)
         self._out = self._lead_output(self._tuning.lead)
         return inputs
