@@ -53,7 +53,7 @@ def list_shipped() -> None:
     for kind, rows in catalogue().items():
         out.print(kind, style="bold")
         for name, title in rows.items():
-            out.print(f"  {name:<28}{title}", markup=False, soft_wrap=True)
+            out.print(f"  {name:<34}{title}", markup=False, soft_wrap=True)
 
 
 @app.command()

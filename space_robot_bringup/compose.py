@@ -9,10 +9,11 @@ from math import radians
 
 import numpy as np
 
-from space_robot_bringup.experiment import Experiment, Initial, ModelSpec, to_yaml
-from space_robot_bringup.metrics import metric_names
-from space_robot_bringup.timebase import steps_of
-from space_robot_bringup.verdict import check_expectations
+from space_robot_bringup.experiment import Experiment, Initial, to_yaml
+from space_robot_bringup.metrics import axis_names, metric_names
+from space_robot_bringup.plant_spec import ModelSpec
+from space_robot_bringup.plants import PLANTS, PlantParts
+from space_robot_bringup.verdict import check_bands, check_expectations
 from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.registry import make_law
 from space_robot_control.references.make import make_reference
@@ -26,8 +27,7 @@ from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.log_header import LogHeader
-from space_robot_sim.sensors import Sensors
-from space_robot_sim.spec import fixed_steps, method
+from space_robot_sim.initial import InitialState
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
@@ -68,21 +68,9 @@ class Composition:
 
     def plant(self) -> Plant:
         """A new plant in its initial state."""
-        # Only here: whoever needs no plant need not wait for its compiler.
-        from space_robot_sim.plant import InitialState, SimulatedRobot
-
-        spec = self.experiment.plant
-        return SimulatedRobot(
-            self.truth,
-            control_period=self.experiment.period,
-            initial=InitialState(self._q0, self._v0),
-            integrator=spec.integrator,
-            sensors=spec.sensors,
-            seed=int(self._seeds[2].generate_state(1, np.uint64)[0]),
-            delay_periods=spec.delay_periods,
-            hold=spec.hold,
-            changes=self.changes,
-        )
+        seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
+        initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
+        return PLANTS[spec.kind].make(spec, PlantParts(self.truth, self.experiment.period, initial, seed, self.changes))
 
     def controller(self) -> Law:
         """A new controller; it gets the nominal robot and nothing else."""
@@ -122,10 +110,13 @@ def compose(experiment: Experiment) -> Composition:
     nominal = _variant(robot, _believed(experiment), seeds[0], "nominal")
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
     q0, v0 = _initial(experiment.initial, robot)
-    _check_plant(experiment, truth)
-    composition = Composition(experiment, nominal, truth, _changes(experiment, truth), seeds, q0, v0)
+    kind, spec = PLANTS[experiment.plant.kind], experiment.plant
+    kind.check(spec, truth, experiment.period)
+    changes = kind.changes(spec, truth, experiment.control_period)
+    composition = Composition(experiment, nominal, truth, changes, seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
+    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
     composition.reference()
     _check_recorded(experiment)
     composition.controller()
@@ -141,16 +132,6 @@ def versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             found[name] = "absent"
     return found
-
-
-def _check_plant(experiment: Experiment, truth: Robot) -> None:
-    """What the plant would refuse, without waiting for its compiler."""
-    spec, motors = experiment.plant, truth.actuators.joints
-    roughness = [expand(part, truth.joint_names, "joints") for part in (motors.lag, motors.viscous, motors.coulomb)]
-    kind = method(spec.integrator, rough=bool(np.any(roughness)))
-    if kind != "dop853_adaptive":
-        fixed_steps(spec.integrator, kind, experiment.period)
-    Sensors(spec.sensors, truth.n, experiment.period, seed=0)
 
 
 def _check_recorded(experiment: Experiment) -> None:
@@ -185,14 +166,6 @@ def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: s
     if spec.payload is not None:
         robot = attach_payload(robot, spec.payload)
     return robot
-
-
-def _changes(experiment: Experiment, truth: Robot) -> tuple[tuple[int, Robot], ...]:
-    capture = experiment.plant.capture
-    if capture is None:
-        return ()
-    steps = steps_of(capture.time, experiment.control_period, "plant.capture.time")
-    return ((steps * experiment.period, attach_payload(truth, capture.payload)),)
 
 
 def _initial(spec: Initial, robot: Robot) -> tuple[Vector, Vector]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from io import StringIO
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
 from ruamel.yaml import YAML
@@ -13,16 +13,14 @@ from ruamel.yaml.comments import CommentedSeq
 from ruamel.yaml.scalarstring import LiteralScalarString
 
 from space_robot_bringup.keys import LAW_KEY, set_key
+from space_robot_bringup.plant_spec import AnyPlant, ModelSpec, PlantSpec
 from space_robot_bringup.recorded import with_recorded_log
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
-from space_robot_description.dispersion import Dispersion
-from space_robot_description.payload import Payload
 from space_robot_description.share import config_dir, is_file, shipped
 from space_robot_description.spec import PerJoint, Strict, Three
 from space_robot_description.validation import nearest, parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import InputFileError, SpecError
-from space_robot_sim.spec import IntegratorSpec, SensorSpec
 
 
 class Initial(Strict):
@@ -49,32 +47,6 @@ class ControllerSpec(Strict):
 
     law: str = Field(default="computed_torque", description="name of a law, or module:Class")
     gains: dict[str, Any] = Field(default_factory=dict, description="the law's own gains, checked by the law")
-
-
-class ModelSpec(Strict):
-    """How a model differs from the robot file."""
-
-    payload: Payload | None = Field(default=None, description="rigid payload")
-    dispersion: Dispersion | None = Field(default=None, description="random deviation of its parameters, seeded")
-
-
-class Capture(Strict):
-    """A rigid body that the robot takes in flight, at the velocity of the hand: no impact, and no word to the law."""
-
-    time: PositiveFloat = Field(description="when it is held from [s], a multiple of the control period")
-    payload: Payload
-
-
-class PlantSpec(ModelSpec):
-    """What the real robot does: the truth."""
-
-    delay_periods: Literal[0, 1] = Field(
-        default=0, description="a command acts in the period of its state, or the next"
-    )
-    hold: Literal["last", "zero"] = Field(default="last", description="what acts when no usable command is there")
-    capture: Capture | None = Field(default=None, description="a payload taken in flight")
-    integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
-    sensors: SensorSpec = Field(default_factory=SensorSpec)
 
 
 class NominalSpec(ModelSpec):
@@ -124,8 +96,11 @@ class Experiment(Strict):
     initial: Initial = Field(default_factory=Initial)
     reference: ReferenceSpec
     controller: ControllerSpec = Field(default_factory=ControllerSpec)
-    plant: PlantSpec = Field(default_factory=PlantSpec)
+    plant: AnyPlant = Field(default_factory=PlantSpec)
     nominal: NominalSpec = Field(default_factory=NominalSpec, description="what the flight software believes")
+    settling_bands: dict[str, PositiveFloat] = Field(
+        default_factory=dict, description="axis -> half width [deg or m] in place of 2 % of its travel"
+    )
     expect: dict[str, Expectation] = Field(default_factory=dict, description="metric name -> bound; the verdict")
 
     @property

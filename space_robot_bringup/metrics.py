@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +31,7 @@ MOVED = 1e-6
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Axis:
-    """How one axis followed its reference; rotations in [deg], lengths in [m].
+    """How one axis followed its reference; rotations in [deg], lengths (of prismatic joints, too) in [m].
 
     Attributes:
         name: ``base/x``, ``base/roll`` or the joint's name.
@@ -40,8 +40,9 @@ class Axis:
         final_error: |error| at the last tick.
         max_error: largest |error| of the run (of a step: the step itself; of an axis that holds: the disturbance).
         rms_error: root mean square error over the whole run.
-        settling_time: [s] from the start until the axis stays within 2 % of its travel around the final reference;
-            None where the reference keeps moving, nothing was to move, or it never settles.
+        settling_time: [s] from the start until the axis stays within its band around the final reference, 2 % of its
+            travel where no other was asked for; None where the reference keeps moving, nothing was to move, or it
+            never settles.
         overshoot: [% of travel] beyond the final reference; None as above.
     """
 
@@ -100,13 +101,22 @@ def metric_names(joint_names: Sequence[str], *, base_translation: bool) -> list[
     return [f"{axis}.{field}" for axis in axes for field in PER_AXIS] + list(PER_RUN)
 
 
-def measure(ticks: Iterable[Tick], joint_names: Sequence[str], *, base_translation: bool) -> RunMetrics:
+def measure(
+    ticks: Iterable[Tick],
+    joint_names: Sequence[str],
+    *,
+    base_translation: bool,
+    prismatic: Sequence[bool] = (),
+    bands: Mapping[str, float] | None = None,
+) -> RunMetrics:
     """Judge a run by its true motion.
 
     Args:
         ticks: all ticks in order; at least one.
         joint_names: for the names of axes.
         base_translation: also judge the base position (free-flying).
+        prismatic: (n) True where a joint is a length; empty: all are angles.
+        bands: axis to the half width of its settling band [deg or m], instead of 2 % of its travel.
 
     Raises:
         NonFiniteError: there is no tick, or a number is not finite.
@@ -122,10 +132,14 @@ def measure(ticks: Iterable[Tick], joint_names: Sequence[str], *, base_translati
     moving = np.array([np.abs(tick.reference.v).max() > STILL for tick in rows])
     errors, from_goal = deviations(truth, desired), deviations(truth, np.repeat(desired[-1:], len(rows), axis=0))
     names = axis_names(joint_names, base_translation=True)
-    units = ["m"] * 3 + ["deg"] * (3 + len(joint_names))
-    scale = np.array([1.0] * 3 + [np.degrees(1.0)] * (3 + len(joint_names)))
+    lengths = [True] * 3 + [False] * 3 + list(prismatic or [False] * len(joint_names))
+    units = ["m" if length else "deg" for length in lengths]
+    scale = np.where(lengths, 1.0, np.degrees(1.0))
+    width = bands or {}
     axes = tuple(
-        _axis(names[i], units[i], time, errors[:, i] * scale[i], from_goal[:, i] * scale[i], moving)
+        _axis(
+            names[i], units[i], time, errors[:, i] * scale[i], from_goal[:, i] * scale[i], moving, width.get(names[i])
+        )
         for i in range(0 if base_translation else 3, len(names))
     )
     return _with_totals(rows, time, axes)
@@ -145,12 +159,20 @@ def deviations(q: Matrix, goal: Matrix) -> Matrix:
     return np.hstack([q[:, :3] - goal[:, :3], rotation, q[:, 7:] - goal[:, 7:]])
 
 
-def _axis(name: str, unit: str, time: Vector, error: Vector, from_goal: Vector, moving: npt.NDArray[np.bool_]) -> Axis:
+def _axis(
+    name: str,
+    unit: str,
+    time: Vector,
+    error: Vector,
+    from_goal: Vector,
+    moving: npt.NDArray[np.bool_],
+    band: float | None,
+) -> Axis:
     travel = abs(from_goal[0])
     settling: float | None = None
     overshoot: float | None = None
     if travel > MOVED and not moving[-1]:
-        outside = np.flatnonzero(np.abs(from_goal) > SETTLING_BAND * travel)
+        outside = np.flatnonzero(np.abs(from_goal) > (SETTLING_BAND * travel if band is None else band))
         if outside.size == 0 or outside[-1] + 1 < time.size:
             settling = float(time[outside[-1] + 1] - time[0]) if outside.size else 0.0
         overshoot = float(max(0.0, (-np.sign(from_goal[0]) * from_goal).max()) / travel * 100.0)

@@ -54,7 +54,7 @@ def verdict(console: Console, experiment: Experiment, mode: str, result: RunResu
 def _axes(experiment: Experiment, metrics: RunMetrics) -> Table:
     table = Table(title=escape(experiment.title) or None, title_justify="left", box=SIMPLE_HEAD)
     table.add_column("axis", no_wrap=True)
-    for heading in ("travel", "final\nerror", "max\nerror", "rms\nerror", "settling\n2 % [s]", "over-\nshoot [%]"):
+    for heading in ("travel", "final\nerror", "max\nerror", "rms\nerror", "settling\n[s]", "over-\nshoot [%]"):
         table.add_column(heading, justify="right", no_wrap=True, min_width=6)
     for axis in metrics.axes:
         lengths = (axis.travel, axis.final_error, axis.max_error, axis.rms_error)

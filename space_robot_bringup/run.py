@@ -133,7 +133,13 @@ def judge_ticks(
     if not ticks:
         return None, ()
     flying = composition.nominal.base_mode == "free_flying"
-    metrics = measure(ticks, composition.joint_names, base_translation=flying)
+    metrics = measure(
+        ticks,
+        composition.joint_names,
+        base_translation=flying,
+        prismatic=composition.nominal.prismatic,
+        bands=composition.experiment.settling_bands,
+    )
     return metrics, judge(metrics, composition.experiment.expect, reason)
 
 

@@ -47,6 +47,18 @@ def check_expectations(expect: Mapping[str, Expectation], names: Sequence[str]) 
             raise SpecError("no such metric", key=f"expect.{name}", accepted=accepted)
 
 
+def check_bands(bands: Mapping[str, float], axes: Sequence[str]) -> None:
+    """Refuse settling bands of axes the robot does not have.
+
+    Raises:
+        SpecError: with the nearest names.
+    """
+    for name in bands:
+        if name not in axes:
+            accepted = nearest(name, axes) or ", ".join(axes)
+            raise SpecError("no such axis", key=f"settling_bands.{name}", accepted=accepted)
+
+
 def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: str | None) -> tuple[Check, ...]:
     """All checks of a run; see ``check_expectations`` for what ``expect`` may name."""
     numbers = metrics.flat()

@@ -111,7 +111,7 @@ def robot_report(robot: Robot) -> RobotReport:
     model, data = robot.model, robot.model.createData()
     home = np.concatenate([pin.neutral(model)[:7], robot.home])
     pin.ccrba(model, data, home, np.zeros(model.nv))
-    torque, momentum = _torque_capacity(robot)
+    torque, momentum = torque_capacity(robot)
     force = robot.actuators.base_force
     return RobotReport(
         name=robot.name,
@@ -154,7 +154,8 @@ def _bodies(robot: Robot) -> tuple[BodyRow, ...]:
     )
 
 
-def _torque_capacity(robot: Robot) -> tuple[Vector, Vector | None]:
+def torque_capacity(robot: Robot) -> tuple[Vector, Vector | None]:
+    """Largest torque [N m] and, with wheels, momentum [N m s] about each body axis alone."""
     actuator = robot.actuators.base_torque
     if not isinstance(actuator, ReactionWheels):
         return np.array(actuator.limit), None

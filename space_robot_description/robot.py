@@ -50,3 +50,9 @@ class Robot:
     def n(self) -> int:
         """Number of joints."""
         return len(self.joint_names)
+
+    @property
+    def prismatic(self) -> tuple[bool, ...]:
+        """(n) True for joints whose position is a length."""
+        kinds = [self.model.joints[index].shortname() for index in range(2, self.n + 2)]
+        return tuple("JointModelP" in kind for kind in kinds)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -36,6 +35,7 @@ from space_robot_sim.kernel.steps import (
     step_factor,
 )
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
+from space_robot_sim.triples import cross, quaternion_rate, turn
 
 
 class PinocchioIntegrator:
@@ -80,18 +80,18 @@ class PinocchioIntegrator:
         v, omega, rates = twist[:3], twist[3:], y[13 + n : 13 + 2 * n]
         force, torque, rate = segment[FORCE:TORQUE], segment[TORQUE:RATE], segment[RATE:STORED]
         momentum = [h + (t - segment[BEGIN]) * dh for h, dh in zip(segment[STORED:], rate, strict=True)]
-        gyroscopic = _cross(omega, momentum)
+        gyroscopic = cross(omega, momentum)
         effort = self._effort(drive, t, rates)
         self._tau[:3], self._tau[6:] = force, effort
         self._tau[3:6] = [torque[i] - rate[i] - gyroscopic[i] for i in range(3)]
         self._q[7:] = y[7 : 7 + n]
         dy = np.empty_like(y)
         dy[7 + n : 13 + 2 * n] = pin.aba(self._model, self._data, self._q, y[7 + n : 13 + 2 * n], self._tau)
-        dy[:3] = _turn(pose[3:], v)
-        dy[3:7] = _quaternion_rate(pose[3:], omega)
+        dy[:3] = turn(pose[3:], v)
+        dy[3:7] = quaternion_rate(pose[3:], omega)
         dy[7 : 7 + n] = rates
-        inertial, moment = _turn(pose[3:], force), _turn(pose[3:], torque)
-        arm = _cross(pose[:3], inertial)
+        inertial, moment = turn(pose[3:], force), turn(pose[3:], torque)
+        arm = cross(pose[:3], inertial)
         dy[13 + 2 * n] = effort @ rates + sum(force[i] * v[i] + (torque[i] - rate[i]) * omega[i] for i in range(3))
         dy[14 + 2 * n : 17 + 2 * n] = inertial
         dy[17 + 2 * n :] = [arm[i] + moment[i] for i in range(3)]
@@ -155,29 +155,3 @@ def _step_error(h: float, how: Stepping, y: Vector, new: Vector, stages: Vector)
     if sum_5 == 0.0 and sum_3 == 0.0:
         return 0.0
     return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.size)
-
-
-def _cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def _turn(quaternion: Sequence[float], a: Sequence[float]) -> tuple[float, float, float]:
-    """A body vector in the inertial frame, by the rotation matrix of the quaternion."""
-    x, y, z, w = quaternion
-    return (
-        (1.0 - 2.0 * (y * y + z * z)) * a[0] + 2.0 * (x * y - z * w) * a[1] + 2.0 * (x * z + y * w) * a[2],
-        2.0 * (x * y + z * w) * a[0] + (1.0 - 2.0 * (x * x + z * z)) * a[1] + 2.0 * (y * z - x * w) * a[2],
-        2.0 * (x * z - y * w) * a[0] + 2.0 * (y * z + x * w) * a[1] + (1.0 - 2.0 * (x * x + y * y)) * a[2],
-    )
-
-
-def _quaternion_rate(quaternion: Sequence[float], omega: Sequence[float]) -> tuple[float, float, float, float]:
-    """1/2 q omega."""
-    x, y, z, w = quaternion
-    a, b, c = omega
-    return (
-        0.5 * (w * a + y * c - z * b),
-        0.5 * (w * b + z * a - x * c),
-        0.5 * (w * c + x * b - y * a),
-        -0.5 * (x * a + y * b + z * c),
-    )

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
-from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector, vector
+from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.fallback import PinocchioIntegrator
+from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.arrays import robot_arrays
@@ -23,28 +23,6 @@ from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import IntegratorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class InitialState:
-    """Where a run starts.
-
-    Attributes:
-        q: (7+n,) configuration [m, -, rad], as in RobotState; its quaternion is made unit.
-        v: (6+n,) velocity [m/s, rad/s].
-    """
-
-    q: Vector
-    v: Vector
-
-    def __post_init__(self) -> None:
-        q = np.array(vector(self.q, None, "initial.q"))
-        norm = float(np.linalg.norm(q[3:7]))
-        if abs(norm - 1.0) > 1e-6:
-            raise SpecError("the quaternion is not unit", key="initial.q", value=norm, accepted="norm 1")
-        q[3:7] /= norm
-        object.__setattr__(self, "q", vector(q, None, "initial.q"))
-        object.__setattr__(self, "v", vector(self.v, q.size - 1, "initial.v"))
 
 
 class SimulatedRobot:

@@ -22,9 +22,11 @@ PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
     "adaptive": "space_robot_control.laws.adaptive:Adaptive",
     "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
+    "mfac": "space_robot_control.laws.mfac:ModelFree",
     "none": "space_robot_control.laws.hold:ZeroCommand",
     "ntsmc": "space_robot_control.laws.ntsmc:Ntsmc",
     "ntsmc_euler": "space_robot_control.laws.ntsmc_euler:NtsmcEuler",
+    "pd": "space_robot_control.laws.pd:ProportionalDerivative",
 }
 
 

@@ -1,0 +1,74 @@
+"""The plant section of an experiment: one typed model per kind of plant, told apart by ``kind``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, PositiveFloat, Tag
+
+from space_robot_description.dispersion import Dispersion
+from space_robot_description.payload import Payload
+from space_robot_description.spec import Strict
+from space_robot_sim.grasp.spec import AirbearingSpec, CapturedSpec
+from space_robot_sim.spec import IntegratorSpec, SensorSpec
+
+
+class ModelSpec(Strict):
+    """How a model differs from the robot file."""
+
+    payload: Payload | None = Field(default=None, description="rigid payload")
+    dispersion: Dispersion | None = Field(default=None, description="random deviation of its parameters, seeded")
+
+
+class PlantTiming(ModelSpec):
+    """What every plant has: a true robot, and commands that come late or not at all."""
+
+    delay_periods: Literal[0, 1] = Field(
+        default=0, description="a command acts in the period of its state, or the next"
+    )
+    hold: Literal["last", "zero"] = Field(default="last", description="what acts when no usable command is there")
+
+
+class Capture(Strict):
+    """A rigid body that the robot takes in flight, at the velocity of the hand: no impact, and no word to the law."""
+
+    time: PositiveFloat = Field(description="when it is held from [s], a multiple of the control period")
+    payload: Payload
+
+
+class PlantSpec(PlantTiming):
+    """What the real robot does: the truth. An articulated robot in free space."""
+
+    kind: Literal["articulated"] = "articulated"
+    capture: Capture | None = Field(default=None, description="a payload taken in flight")
+    integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
+    sensors: SensorSpec = Field(default_factory=SensorSpec)
+
+
+class AirbearingPlant(PlantTiming, AirbearingSpec):
+    """A testbed on air bearings: two bodies, a grasp that slips, cameras."""
+
+    kind: Literal["airbearing"] = "airbearing"
+
+
+class CapturedPlant(PlantTiming, CapturedSpec):
+    """A robot in space that has captured debris in a grasp that slips (a combined spacecraft after capture)."""
+
+    kind: Literal["pccs"] = "pccs"
+
+
+def _kind(plant: Any) -> str:
+    """``kind``, or the default where a file says none."""
+    said = plant.get("kind", "articulated") if isinstance(plant, Mapping) else getattr(plant, "kind", "articulated")
+    return str(said)
+
+
+AnyPlant = Annotated[
+    Annotated[PlantSpec, Tag("articulated")]
+    | Annotated[AirbearingPlant, Tag("airbearing")]
+    | Annotated[CapturedPlant, Tag("pccs")],
+    Discriminator(
+        _kind, custom_error_type="plant_kind", custom_error_message="kind: one of articulated, airbearing, pccs"
+    ),
+]

@@ -1,0 +1,136 @@
+"""Equations of motion of a robot whose last body is held by a grasp, and the work and impulse they book."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.grasp.law import Grasp
+from space_robot_sim.grasp.orbit import Orbit
+from space_robot_sim.kernel.tableau import STAGES, A, B, C
+from space_robot_sim.triples import Triple, cross, quaternion_rate, turn, turn_back
+
+NOTHING: Triple = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Push:
+    """What acts during one control period.
+
+    Attributes:
+        force: of the thrusters on the base, body frame [N].
+        moment: of that force about the base origin, body frame [N m].
+        torque: asked of the wheels, body frame [N m].
+        effort: of the joint motors [N m or N]; 0 at the grasp.
+        outside_force: disturbance at the base origin, inertial frame [N].
+        outside_torque: disturbance, inertial frame [N m].
+        rest: where the first joint of the grasp has no force [m].
+        turning: rate at which its third joint has no torque [rad/s].
+    """
+
+    force: Triple
+    moment: Triple
+    torque: Triple
+    effort: tuple[float, ...]
+    outside_force: Triple = NOTHING
+    outside_torque: Triple = NOTHING
+    rest: float = 0.0
+    turning: float = 0.0
+
+    @classmethod
+    def none(cls, n: int) -> Push:
+        """Nothing acts on a robot of n joints."""
+        return cls(NOTHING, NOTHING, NOTHING, (0.0,) * n)
+
+
+class GraspDynamics:
+    """dy/dt of y = [q, v, bristle, wheel torque(3), wheel momentum(3), work, impulse(3), angular impulse(3)].
+
+    q and v are those of RobotState. The wheels turn the base by their torque and store its opposite; their lag is
+    first-order. Work is that of everything applied (grasp, motors, thrusters, wheels, disturbance), impulse that of
+    what is external (thrusters, disturbance), about the inertial origin.
+
+    Args:
+        robot: the true robot.
+        grasp: its forces.
+        joints: indices of the grasp's three joints.
+        lag: of the wheels [s].
+        orbit: adds its acceleration to every body, as at the base origin; None: free space.
+    """
+
+    def __init__(
+        self, robot: Robot, grasp: Grasp, joints: tuple[int, int, int], lag: float, orbit: Orbit | None = None
+    ) -> None:
+        self._orbit, self._mass = orbit, float(pin.computeTotalMass(robot.model))
+        self._model, self._data = robot.model, robot.model.createData()
+        self._grasp, self._joints, self._lag, n = grasp, joints, lag, robot.n
+        self.velocity, self.bristle = slice(7 + n, 13 + 2 * n), 13 + 2 * n
+        self.wheel_torque = slice(14 + 2 * n, 17 + 2 * n)
+        self.wheels = slice(17 + 2 * n, 20 + 2 * n)
+        self.books = slice(20 + 2 * n, 27 + 2 * n)
+        self.size, self.n = 27 + 2 * n, n
+        self._stages = np.zeros((STAGES, self.size))
+        self._q = pin.neutral(robot.model)
+
+    def step(self, y: Vector, push: Push, t: float, h: float) -> Vector:
+        """One step of DOP853 (order 8) of h [s] from t [s] on."""
+        stages = self._stages
+        for s in range(STAGES):
+            stages[s] = self.slope(y + h * (A[s, :s] @ stages[:s]), push, t + C[s] * h)
+        out: Vector = y + h * (B @ stages)
+        return out
+
+    def slope(self, y: Vector, push: Push, t: float) -> Vector:
+        """dy/dt at a time [s]."""
+        # On Python floats: at this size several times faster than on arrays.
+        n, state = self.n, y.tolist()
+        position, quaternion, joints = state[:3], state[3:7], state[7 : 7 + n]
+        twist, omega, rates = state[7 + n : 13 + n], state[10 + n : 13 + n], state[13 + n : 13 + 2 * n]
+        wheel_torque, wheels = state[self.wheel_torque], state[self.wheels]
+        effort, stretch = self._efforts(joints, rates, state[self.bristle], push)
+        outside, outside_torque = turn_back(quaternion, push.outside_force), turn_back(quaternion, push.outside_torque)
+        force = [push.force[i] + outside[i] for i in range(3)]
+        external = [push.moment[i] + outside_torque[i] for i in range(3)]
+        gyroscopic = cross(omega, wheels)
+        torque = [external[i] + wheel_torque[i] - gyroscopic[i] for i in range(3)]
+        self._q[7:] = joints
+        acceleration = pin.aba(self._model, self._data, self._q, y[self.velocity], np.array([*force, *torque, *effort]))
+        inertial, moment = turn(quaternion, force), turn(quaternion, external)
+        arm = cross(position, inertial)
+        power = sum(a * b for a, b in zip((*force, *torque, *effort), (*twist, *rates), strict=True))
+        # The torque has the gyroscopic part, which does no work: it is at right angles to omega.
+        books = [power, *inertial, *(arm[i] + moment[i] for i in range(3))]
+        if self._orbit is not None:
+            fall = self._orbit.acceleration(t, (position[0], position[1], position[2]))
+            # Everything falls alike: the base gains the acceleration, joints and rotation do not notice.
+            acceleration = acceleration + np.array([*turn_back(quaternion, fall), *[0.0] * (3 + n)])
+            books = [a + b for a, b in zip(books, self._weight(fall, position, quaternion, y), strict=True)]
+        turning = self._wheel_slope(wheel_torque, push.torque)
+        rest = stretch, *turning, *(-part for part in wheel_torque), *books
+        pose = (*turn(quaternion, twist[:3]), *quaternion_rate(quaternion, omega), *rates)
+        return np.array([*pose, *acceleration.tolist(), *rest])
+
+    def _weight(self, fall: Triple, position: list[float], quaternion: list[float], y: Vector) -> list[float]:
+        """Power, force and moment about the inertial origin of an acceleration of the whole robot."""
+        com = pin.centerOfMass(self._model, self._data, self._q, np.array(y[self.velocity])).tolist()
+        velocity = turn(quaternion, self._data.vcom[0].tolist())
+        place = [a + b for a, b in zip(position, turn(quaternion, com), strict=True)]
+        force = [self._mass * a for a in fall]
+        return [sum(a * b for a, b in zip(force, velocity, strict=True)), *force, *cross(place, force)]
+
+    def _efforts(
+        self, joints: list[float], rates: list[float], bristle: float, push: Push
+    ) -> tuple[list[float], float]:
+        i, j, k = self._joints
+        effort = list(push.effort)
+        offsets, turning = (joints[i] - push.rest, joints[j]), rates[k] - push.turning
+        found = self._grasp.forces(*offsets, rates[i], rates[j], turning, bristle)
+        effort[i], effort[j], effort[k] = found.x, found.y, found.torque
+        return effort, found.bristle_rate
+
+    def _wheel_slope(self, torque: list[float], asked: Triple) -> list[float]:
+        return [(asked[i] - torque[i]) / self._lag if self._lag > 0.0 else 0.0 for i in range(3)]

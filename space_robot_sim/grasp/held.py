@@ -1,0 +1,171 @@
+"""What every robot with a second body in its grasp does as a plant: delay and hold, integration, books, telemetry."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import deque
+from typing import Literal
+
+import numpy as np
+
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
+from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
+from space_robot_sim.grasp.books import Books
+from space_robot_sim.grasp.dynamics import GraspDynamics, Push
+from space_robot_sim.grasp.law import Grasp
+from space_robot_sim.grasp.orbit import Orbit
+from space_robot_sim.grasp.spec import GraspSpec
+from space_robot_sim.grasp.telemetry import GraspTelemetry
+from space_robot_sim.initial import InitialState
+
+
+class HeldBody(ABC):
+    """A robot whose grasp gives way; subclasses say what the actuators make of a command and what is seen.
+
+    Args:
+        robot: the truth.
+        grasp: the spec of its grasp.
+        limit: (6+n,) of a command; 0 where it does nothing.
+        lag: of the wheels [s].
+        orbit: moves the frame of the state; None: free space.
+        step: of the integration [s].
+        seen: how many integration steps old configurations are kept for the sensors.
+        control_period: [ns].
+        initial: where a run starts.
+        delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
+        hold: what acts in place of a missing command: nothing, or the last one.
+
+    Raises:
+        SpecError: an argument does not fit the robot or the period.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        grasp: GraspSpec,
+        *,
+        limit: Vector,
+        lag: float,
+        orbit: Orbit | None,
+        step: float,
+        seen: int,
+        control_period: int,
+        initial: InitialState,
+        delay_periods: Literal[0, 1],
+        hold: Literal["zero", "last"],
+    ) -> None:
+        if initial.q.size != 7 + robot.n:
+            raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
+        joints, force = grasp_joints(robot, grasp), Grasp(grasp)
+        self._n, self._initial, self._limit, self._lag = robot.n, initial, limit, lag
+        self._steps = whole_steps(control_period, step, "control_period")
+        self._period, self._h = control_period, control_period / NANOSECONDS / self._steps
+        self._delay, self._hold_last = delay_periods, hold == "last"
+        self._layout = GraspDynamics(robot, force, joints, lag, orbit)
+        self._books, self._telemetry = Books(robot.model), GraspTelemetry(robot, joints, force)
+        self._seen: deque[Vector] = deque(maxlen=seen + 1)
+
+    @abstractmethod
+    def _push(self, acting: Vector) -> Push:
+        """What the actuators make of a command (6+n,) in the period that begins."""
+
+    @abstractmethod
+    def _see(self, push: Push) -> RobotState:
+        """What is measured at this stamp, after a period under a push."""
+
+    @abstractmethod
+    def _forget(self) -> None:
+        """Start the sensors anew."""
+
+    def reset(self) -> PlantSample:
+        """Return to the initial state and show it (stamp 0)."""
+        self._y = np.zeros(self._layout.size)
+        self._y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
+        self._stamp = 0
+        self._held = self._waiting = np.zeros(6 + self._n)
+        self._forget()
+        self._books.reset()
+        self._seen.clear()
+        self._seen.append(self._y[: 7 + self._n].copy())
+        return self._show(self._held, Push.none(self._n), np.zeros(3), 0.0)
+
+    def step(self, command: Command | None) -> PlantSample:
+        """Advance one control period under the command (None: the hold) and show the state at its end.
+
+        Raises:
+            CommandError: the command is not for this many joints.
+            IntegrationError: the state stopped being finite.
+        """
+        acting = self._accept(command)
+        if self._delay:
+            acting, self._waiting = self._waiting, acting
+        push, stored = self._push(acting), self._y[self._layout.wheels].copy()
+        if self._lag == 0.0:
+            self._y[self._layout.wheel_torque] = push.torque
+        with np.errstate(over="ignore", invalid="ignore"):
+            for index in range(self._steps):
+                self._y = self._layout.step(self._y, push, self._stamp / NANOSECONDS + index * self._h, self._h)
+                self._seen.append(self._y[: 7 + self._n].copy())
+        self._stamp += self._period
+        if not np.isfinite(self._y).all():
+            raise IntegrationError(f"not finite at {self._stamp / NANOSECONDS:g} s", key="state")
+        norm = float(np.linalg.norm(self._y[3:7]))
+        self._y[3:7] /= norm
+        wheels = (stored - self._y[self._layout.wheels]) / (self._steps * self._h)
+        return self._show(acting, push, wheels, abs(norm - 1.0))
+
+    def _accept(self, command: Command | None) -> Vector:
+        if command is None:
+            return self._held if self._hold_last else np.zeros(6 + self._n)
+        if command.effort.size != self._n:
+            raise CommandError("wrong size", key="command.effort", value=command.effort.size, accepted=f"{self._n}")
+        self._held = command.u
+        return self._held
+
+    def _show(self, acting: Vector, push: Push, wheels: Vector, quaternion_residual: float) -> PlantSample:
+        n, layout, y = self._n, self._layout, self._y
+        telemetry = self._telemetry.of(
+            self._stamp,
+            motion=y[: 13 + 2 * n],
+            grasp=(float(y[layout.bristle]), push.rest, push.turning),
+            wheels=y[layout.wheels],
+            balance=self._books.balance(y[: 7 + n], y[layout.velocity], y[layout.wheels], y[layout.books]),
+            quaternion_residual=quaternion_residual,
+            applied=np.concatenate([push.force, wheels + push.moment, push.effort]),
+            acting=acting,
+            limit=self._limit,
+        )
+        return PlantSample(self._see(push), telemetry)
+
+
+def grasp_joints(robot: Robot, spec: GraspSpec) -> tuple[int, int, int]:
+    """Indices of the grasp's joints in the robot.
+
+    Raises:
+        SpecError: the robot has no such joint, it is of the wrong kind, or the base cannot be pushed.
+    """
+    if robot.base_mode != "free_flying":
+        raise SpecError("cannot be pushed", key="robot.base_mode", value=robot.base_mode, accepted="free_flying")
+    for name, length in zip(spec.joints, (True, True, False), strict=True):
+        if name not in robot.joint_names:
+            accepted = ", ".join(robot.joint_names)
+            raise SpecError("no such joint", key="plant.grasp.joints", value=name, accepted=accepted)
+        if robot.prismatic[robot.joint_names.index(name)] != length:
+            accepted = "two prismatic joints, then a revolute one"
+            raise SpecError("wrong kind of joint", key="plant.grasp.joints", value=name, accepted=accepted)
+    first, second, third = (robot.joint_names.index(name) for name in spec.joints)
+    return first, second, third
+
+
+def whole_steps(span: int, step: float, key: str) -> int:
+    """Number of integration steps [s] in a span [ns].
+
+    Raises:
+        SpecError: it is not a whole number.
+    """
+    length = round(step * NANOSECONDS)
+    if length == 0 or span % length:
+        accepted = f"a multiple of plant.step, {step:g} s"
+        raise SpecError("does not divide into steps", key=key, value=span / NANOSECONDS, accepted=accepted)
+    return span // length

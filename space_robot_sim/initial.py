@@ -1,0 +1,32 @@
+"""Where a run starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Vector, vector
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class InitialState:
+    """Where a run starts.
+
+    Attributes:
+        q: (7+n,) configuration [m, -, rad], as in RobotState; its quaternion is made unit.
+        v: (6+n,) velocity [m/s, rad/s].
+    """
+
+    q: Vector
+    v: Vector
+
+    def __post_init__(self) -> None:
+        q = np.array(vector(self.q, None, "initial.q"))
+        norm = float(np.linalg.norm(q[3:7]))
+        if abs(norm - 1.0) > 1e-6:
+            raise SpecError("the quaternion is not unit", key="initial.q", value=norm, accepted="norm 1")
+        q[3:7] /= norm
+        object.__setattr__(self, "q", vector(q, None, "initial.q"))
+        object.__setattr__(self, "v", vector(self.v, q.size - 1, "initial.v"))

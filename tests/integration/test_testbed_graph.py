@@ -1,0 +1,73 @@
+"""The model-free controller and the testbed as ROS nodes: the same flight, the same log, telemetry in it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.graph import reserved_domain
+from space_robot_bringup.run import run_experiment
+from space_robot_msgs_py.log_reader import LogReader
+from tests.integration.test_adaptive import ROOT, law_of
+
+pytest.importorskip("rclpy")
+
+pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
+
+MFAC = {"output", "pseudo_gradient", "innovation", "resets", "gate_count", "saturated", "saturation_share"}
+
+
+def test_the_graph_flies_the_testbed_as_the_loop_does(tmp_path: Path) -> None:
+    """Headless and graph log equal bits for a plant of the second kind under noise, delay and outliers."""
+    experiment = load_experiment("song2023/attitude_6_85", ["duration=8.0", "plant.camera.outlier_share=0.05"])
+    logs = []
+    for mode in ("headless", "graph"):
+        result = run_experiment(experiment, tmp_path / mode / "run", mode=mode)  # type: ignore[arg-type]
+        assert result.end_reason == "completed"
+        (log,) = (tmp_path / mode / "run").glob("*.mcap")
+        logs.append(log.read_bytes())
+    assert logs[0] == logs[1]
+
+
+def test_the_telemetry_of_law_and_grasp_is_in_the_log(tmp_path: Path) -> None:
+    """What the law believes and what the grasp carries can be read back from the log, tick by tick."""
+    experiment = load_experiment("song2023/attitude_6_85", ["duration=3.0"])
+    run_experiment(experiment, tmp_path / "run", mode="graph")
+    ticks = list(LogReader(tmp_path / "run").ticks())
+    assert len(ticks) == 31
+    assert set(ticks[-1].output.telemetry.labels) >= MFAC
+    assert {"grasp_effort", "grasp_energy", "command_ignored"} <= set(ticks[-1].sample.telemetry.labels)
+    assert ticks[-1].output.telemetry["pseudo_gradient"][0] == pytest.approx(0.1 * 8.05 / 160.6, rel=0.01)
+    assert np.abs(ticks[-1].sample.telemetry["grasp_effort"][2]) > 0.0
+
+
+def binaries() -> Path:
+    """Where ``python3`` is this interpreter: in the source tree the executables have none beside them."""
+    return Path(sys.executable).parent
+
+
+def test_the_executable_flies_the_testbed(tmp_path: Path) -> None:
+    """``mfac_controller`` with simulator, guidance and recorder beside it flies an experiment to its end."""
+    run = tmp_path / "run"
+    common = ["--experiment", "song2023/attitude_1_7", "--out", str(run), "--set", "duration=2.0"]
+    nodes = ("space_robot_sim/recorder", "space_robot_sim/simulator", "space_robot_control/guidance")
+    with reserved_domain() as domain:
+        environment = os.environ | {"ROS_DOMAIN_ID": str(domain), "PATH": f"{binaries()}:{os.environ['PATH']}"}
+        children = [
+            subprocess.Popen(
+                ["sh", str(ROOT / "lib" / name), *common], env=environment, stderr=subprocess.PIPE, text=True
+            )
+            for name in (*nodes, "space_robot_control/mfac_controller")
+        ]
+        said = [child.communicate(timeout=60)[1] for child in children]
+    assert [child.returncode for child in children] == [0, 0, 0, 0], said
+    reader = LogReader(run)
+    assert reader.end_reason == "completed"
+    assert law_of(reader.header.experiment) == "mfac"
+    assert "pseudo_gradient" in reader.arrays().controller
