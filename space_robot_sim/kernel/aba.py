@@ -8,11 +8,8 @@ from __future__ import annotations
 
 import math
 
-from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import BASE, INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
-from space_robot_sim.kernel.articulated import AV, AW, UF, UN, A, D, E, F, H, M, N, P, R, V, W, pass_inward
-from space_robot_sim.kernel.jit import inner, kernel
-from space_robot_sim.kernel.spatial import (
+from space_robot_description.kernel.jit import inner, kernel
+from space_robot_description.kernel.spatial import (
     Vec,
     add,
     cross,
@@ -27,6 +24,9 @@ from space_robot_sim.kernel.spatial import (
     scaled,
     solve,
 )
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.arrays import BASE, INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
+from space_robot_sim.kernel.articulated import AV, AW, UF, UN, A, D, E, F, H, M, N, P, R, V, W, pass_inward
 
 
 @kernel

@@ -5,8 +5,8 @@ A symmetric matrix is (xx, xy, xz, yy, yz, zz); a general one is its nine elemen
 
 from __future__ import annotations
 
+from space_robot_description.kernel.jit import inner
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.jit import inner
 
 Vec = tuple[float, float, float]
 Sym = tuple[float, float, float, float, float, float]
@@ -67,7 +67,7 @@ def dot(a: Vec, b: Vec) -> float:
 
 @inner
 def cross(a: Vec, b: Vec) -> Vec:
-    """Scalar product."""
+    """Vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

@@ -1,4 +1,4 @@
-"""One decorator for the kernel: compiled and cached where numba is, the plain Python function where it is not."""
+"""One decorator for kernels: compiled and cached where numba is, the plain Python function where it is not."""
 
 from __future__ import annotations
 
@@ -65,6 +65,16 @@ def constants(*numbers: int) -> tuple[Any, ...]:
     return tuple(np.int64(number) for number in numbers)
 
 
+def digest(function: Callable[..., Any]) -> str:
+    """The digest of all sources that a kernel may contain: those of its own folder and those that kernels share."""
+    found = hashlib.sha256()
+    for folder in (Path(__file__).parent, Path(function.__code__.co_filename).parent):
+        for path in sorted(folder.glob("*.py")):
+            found.update(path.name.encode())
+            found.update(path.read_bytes())
+    return found.hexdigest()
+
+
 def _watch_all_sources(compiled: Any) -> None:
     """Tie the cache entry to every kernel source.
 
@@ -73,15 +83,4 @@ def _watch_all_sources(compiled: Any) -> None:
     """
     cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
     if cache_file is not None:
-        cache_file._source_stamp = _SOURCES
-
-
-def _digest() -> str:
-    digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
-_SOURCES = _digest() if COMPILED else ""
+        cache_file._source_stamp = digest(compiled.py_func)
