@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from space_robot_control.kernel.cycle import fits
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
@@ -28,5 +29,4 @@ class BaseLimits:
 
     def fits(self, wrench: Vector) -> bool:
         """True if force and torque (6,) are within the limits [N, N m]."""
-        inside = np.abs(self._share @ wrench[3:]) <= self._torque
-        return bool(inside.all() and (np.abs(wrench[:3]) <= self._force).all())
+        return fits(self._share, self._torque, self._force, wrench)

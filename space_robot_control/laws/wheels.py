@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from space_robot_control.rotations import cross
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
@@ -37,8 +36,3 @@ class WheelMomentum:
     def after(self, torque: Vector, seconds: float) -> Vector:
         """Return h (3,) after a torque (3,) [N m] on the base for that long [s]."""
         return self.momentum - seconds * torque if self._present else self.momentum
-
-
-def gyroscopic(omega: Vector, momentum: Vector) -> Vector:
-    """Return omega x h (3,) [N m], the torque that turning the wheels takes, body frame."""
-    return np.array(cross(omega, momentum))

@@ -28,7 +28,8 @@ def kernel(function: Function) -> Function:
     Without a folder to cache in (a read-only installation without NUMBA_CACHE_DIR) it is compiled once per process.
     """
     if numba is None:
-        return function
+        # As silent on numbers that are not finite as compiled code is.
+        return np.errstate(all="ignore")(function)
     try:
         compiled = numba.njit(cache=True, **_OPTIONS)(function)
         _watch_all_sources(compiled)

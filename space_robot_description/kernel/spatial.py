@@ -48,9 +48,22 @@ def put3(rows: Vector, i: int, k: int, a: Vec) -> None:
 
 
 @inner
+def put9(rows: Vector, i: int, k: int, m: Mat) -> None:
+    """Store nine numbers in row i from column k."""
+    for j in range(9):
+        rows[i, k + j] = m[j]
+
+
+@inner
 def add(a: Vec, b: Vec) -> Vec:
     """Sum of two vectors."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@inner
+def sub(a: Vec, b: Vec) -> Vec:
+    """Difference of two vectors."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inner

@@ -21,6 +21,7 @@ from space_robot_description.kernel.spatial import (
     mul_sym,
     mul_t,
     put3,
+    put9,
     scaled,
     solve,
 )
@@ -73,8 +74,7 @@ def place(robot: RobotArrays, body: int, joint: float, out: Vector) -> None:
             c * m[7] - s * m[6],
             m[8],
         )
-    for k in range(9):
-        out[body, R + k] = m[k]
+    put9(out, body, R, m)
     put3(out, body, P, origin)
 
 
