@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 FAILED, BAD_INPUT = 1, 2
 MODES = ("headless", "graph", "processes")
-COMPILING = "compiling the plant, once (about 20 s)"
 KEPT = ("failed", "all", "none")
 
 app = typer.Typer(
@@ -60,10 +59,13 @@ def list_shipped() -> None:
 @app.command()
 def check(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     """Check an experiment completely without flying it."""
+    from space_robot_bringup.compiling import notice
     from space_robot_bringup.compose import compose
     from space_robot_bringup.experiment import load_experiment
 
     spec = load_experiment(experiment, set_ or ())
+    if line := notice([spec.controller.law], plant=False):
+        err.print(line)
     composition = compose(spec)
     nominal, review = composition.nominal, composition.review()
     out.print(
@@ -198,10 +200,7 @@ def reproduce(
 ) -> None:
     """Fly the figures of a paper, draw them and judge its claims one by one."""
     from space_robot_bringup.reproduce.command import run_command
-    from space_robot_sim.kernel.cache import must_compile
 
-    if must_compile() and not as_json:
-        err.print(COMPILING)
     if not run_command(paper, figure or (), directory, workers, as_json=as_json, console=out, err=err):
         raise typer.Exit(FAILED)
 
@@ -234,13 +233,13 @@ def _warn(warning: str) -> None:
 
 
 def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
+    from space_robot_bringup.compiling import notice
     from space_robot_bringup.progress import Progress
     from space_robot_bringup.run import Hooks, run_experiment
     from space_robot_bringup.stopping import StopFlag
-    from space_robot_sim.kernel.cache import must_compile
 
-    if must_compile() and not quiet:
-        err.print(COMPILING)
+    if not quiet and (line := notice([spec.controller.law])):
+        err.print(line)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=_warn)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)

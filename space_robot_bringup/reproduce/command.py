@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from space_robot_bringup.compiling import notice
 from space_robot_bringup.progress import Progress
 from space_robot_bringup.reproduce.plan import choose_figures, load_plan
 from space_robot_bringup.reproduce.reproduction import FlownFigure, prepare, reproduce
@@ -60,6 +61,9 @@ def run_command(
     figures = choose_figures(plan.manifest, chosen)
     for name in figures:
         check_colors(plan.manifest.figures[name], f"{plan.name} figures.{name}")
+    laws = [flight.experiment.controller.law for flight in plan.flights(figures).values()]
+    if not as_json and (line := notice(laws)):
+        err.print(line)
     directory = out or Path("out") / plan.name
     prepare(plan, figures, directory)
     flights = len(plan.flights(figures))

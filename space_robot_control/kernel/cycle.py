@@ -218,9 +218,10 @@ def middle(
     slotine_li(tree, desk.places, desk.x, desk.dx, desk.dx, desk.ddx_r, estimate, falls, desk.rows)
     _acted(held, (v[3], v[4], v[5]), effort, desk, values)
     for row in range(rule.first, values.shape[0]):
-        values[row] /= rule.noise[row - rule.first]
+        accuracy = 1.0 / rule.noise[row - rule.first]
+        values[row] *= accuracy
         for column in range(estimate.shape[0]):
-            desk.rows[row, column] /= rule.noise[row - rule.first]
+            desk.rows[row, column] *= accuracy
 
 
 @inner

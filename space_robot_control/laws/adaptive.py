@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, degrees, radians
+from pathlib import Path
 
 import numpy as np
 
 from space_robot_control.euler import PITCH, euler_state
-from space_robot_control.kernel.cycle import Held
+from space_robot_control.kernel import cycle as kernel
 from space_robot_control.laws.adaptive_gains import AdaptiveGains
 from space_robot_control.laws.adaptive_review import AdaptiveReview
 from space_robot_control.laws.base import Blocks, Law, Review
@@ -16,6 +17,7 @@ from space_robot_control.laws.cycle import Cycle
 from space_robot_control.laws.parameter_update import ParameterUpdate
 from space_robot_control.laws.regressor import Regressor
 from space_robot_control.laws.wheels import WheelMomentum
+from space_robot_description.kernel.cache import cached
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
@@ -76,6 +78,11 @@ class Adaptive(Law):
         self._pitch_limit = radians(self.gains.pitch_limit_deg)
         self.reset()
 
+    @classmethod
+    def must_compile(cls) -> bool:
+        """True before the first adaptive law on a machine."""
+        return not cached(Path(kernel.__file__), kernel.answer.__name__)
+
     def reset(self) -> None:
         """Forget the past: estimate, covariance and damping matrix are those of the start again."""
         super().reset()
@@ -112,7 +119,7 @@ class Adaptive(Law):
     def _hold(self, x: Vector, dx: Vector, omega: Vector, wrench: Vector) -> None:
         """Remember what acts from now on, for the update and for the wheels."""
         middle = self._wheels.after(wrench[3:], 0.5 * self.control_period)
-        self._update.hold(Held(x, dx, omega, middle, wrench))
+        self._update.hold(kernel.Held(x, dx, omega, middle, wrench))
         self._wheels.momentum = self._wheels.after(wrench[3:], self.control_period)
 
     def _damping_matrix(self, x: Vector) -> Vector:

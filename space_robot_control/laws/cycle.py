@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from space_robot_control.kernel.cycle import ACCELEROMETER, MODEL, VELOCITY, Held, Rule, answer, desk_for, middle
+from space_robot_control.kernel.consistency import judge
+from space_robot_control.kernel.cycle import ACCELEROMETER, MODEL, VELOCITY, Held, Rule, answer, desk_for, fits, middle
+from space_robot_control.kernel.euler import coordinates
+from space_robot_control.kernel.least_squares import combine, learn, spread
 from space_robot_control.kernel.tree import tree_of
 from space_robot_control.laws.adaptive_gains import AdaptiveGains
-from space_robot_description.kernel.jit import bound
+from space_robot_description.kernel.jit import bound, ready
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
@@ -43,7 +46,7 @@ class Cycle:
             noise=noise,
         )
         self.desk = desk_for(n, first)
-        self._bind(n)
+        self._compile(n)
 
     def reset(self) -> None:
         """Forget the reference before."""
@@ -82,7 +85,7 @@ class Cycle:
         value = self._answer(self._tree, self.rule, estimate, x, dx, omega, wheels, *asked, self.desk, u)
         return u, value
 
-    def _bind(self, n: int) -> None:
+    def _compile(self, n: int) -> None:
         """Get the machine code for what every call brings: read-only values of the data flow, memory of our own."""
         q, v = np.zeros(7 + n), np.zeros(6 + n)
         state, asked = RobotState(0, q, v, np.zeros(n), np.zeros(3)), Reference(0, q, v, v)
@@ -93,3 +96,11 @@ class Cycle:
         self._answer = bound(
             answer, self._tree, self.rule, estimate, v, v, omega, wheels, asked.q, asked.v, asked.a, self.desk, v
         )
+        rows, values = self.desk.rows[self.rule.first :], v[self.rule.first :]
+        ready(coordinates, state.q, state.v, v, v)
+        root, pair = np.zeros((estimate.size, estimate.size)), np.zeros((2, estimate.size))
+        ready(learn, rows, values, root, estimate, values, pair)
+        ready(spread, root, estimate, estimate, estimate)
+        ready(combine, self.desk.rows, v, estimate)
+        ready(judge, estimate)
+        ready(fits, np.zeros((3, 3)), np.zeros(3), np.zeros(3), v[:6])

@@ -6,7 +6,7 @@ from math import isfinite
 
 import numpy as np
 
-from space_robot_control.kernel.least_squares import learn
+from space_robot_control.kernel.least_squares import learn, spread
 from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Vector
 
@@ -54,7 +54,9 @@ class RecursiveLeastSquares:
 
     def spread_along(self, direction: Vector) -> Vector:
         """Return G d (P,) without forming G."""
-        return self._root @ (self._root.T @ direction)
+        out = np.empty(direction.size)
+        spread(self._root, direction, self._memory[0], out)
+        return out
 
     def correct(self, estimate: Vector, rows: Vector, values: Vector) -> tuple[Vector, Vector]:
         """Return the estimate (P,) after rows of unit noise, and the innovation (m,) they brought.
@@ -81,7 +83,7 @@ class RecursiveLeastSquares:
         self._improbable = 0
 
     def _watch(self, variances: float) -> None:
-        trace = self.covariance_trace
+        trace = float(self.covariance_trace)
         if not isfinite(variances + trace) or trace > self._largest:
             accepted = f"finite, below {self._largest:.3g}"
             raise ControlError("the covariance has blown up", key="covariance_trace", value=trace, accepted=accepted)

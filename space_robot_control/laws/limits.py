@@ -22,7 +22,7 @@ class BaseLimits:
         self._force = np.zeros(3) if force is None else np.array(force.limit)
         if isinstance(torque, ReactionWheels):
             axes = np.array(torque.axes).T
-            self._share = np.linalg.pinv(axes / np.linalg.norm(axes, axis=0))
+            self._share = np.ascontiguousarray(np.linalg.pinv(axes / np.linalg.norm(axes, axis=0)))
             self._torque = np.full(self._share.shape[0], torque.torque)
         else:
             self._share, self._torque = np.identity(3), np.array(torque.limit)

@@ -8,6 +8,7 @@ import numpy as np
 
 from space_robot_control.kernel.consistency import judge
 from space_robot_control.kernel.cycle import Held
+from space_robot_control.kernel.least_squares import combine
 from space_robot_control.laws.adaptive_gains import AdaptiveGains
 from space_robot_control.laws.base import Blocks
 from space_robot_control.laws.consistency import natural_step, project
@@ -53,7 +54,7 @@ class ParameterUpdate:
             self._rls = RecursiveLeastSquares(rls.prior_spread * size + rls.prior_floor, *limits)
         self._tracks = gains.update in ("lyapunov", "composite")
         self._step = cycle.rule.period * gains.tracking.gain
-        self._scale = (size + gains.tracking.floor) ** 2
+        self._gain = self._step * (size + gains.tracking.floor) ** 2
         self._held: Held | None = None
         self.estimate: Vector = np.array(prior if gains.consistency == "none" else project(prior))
         _, _, self.consistent = judge(self.estimate)
@@ -73,12 +74,13 @@ class ParameterUpdate:
         held = self._held
         if self._rls is None or held is None:
             return
-        self._innovation = np.zeros(self._noise.size)
-        if self._limits.fits(held.wrench):
-            rows, values = self._cycle.middle(self.estimate, held, x, dx, state)
-            estimate, innovation = self._rls.correct(self.estimate, rows, values)
-            self._innovation, self._learned = innovation * self._noise, True
-            self._accept(estimate)
+        if not self._limits.fits(held.wrench):
+            self._innovation = np.zeros(self._noise.size)
+            return
+        rows, values = self._cycle.middle(self.estimate, held, x, dx, state)
+        estimate, innovation = self._rls.correct(self.estimate, rows, values)
+        self._innovation, self._learned = innovation * self._noise, True
+        self._accept(estimate)
 
     def track(self, regressor: Vector, sigma: Vector) -> None:
         """Learn from the tracking error by (44): pi_hat' = Gamma Y^T sigma.
@@ -92,13 +94,14 @@ class ParameterUpdate:
         """
         if not self._tracks:
             return
-        gradient = sigma @ regressor
+        gradient = np.empty(self.estimate.size)
+        combine(regressor, sigma, gradient)
         if self._gains.consistency == "natural":
             self._accept(natural_step(self.estimate, gradient, self._step))
         elif self._rls is not None:
             self._accept(self.estimate + self._step * self._rls.spread_along(gradient))
         else:
-            self._accept(self.estimate + self._step * self._scale * gradient)
+            self._accept(self.estimate + self._gain * gradient)
 
     def hold(self, held: Held) -> None:
         """Remember what the next period starts with."""
@@ -129,7 +132,7 @@ class ParameterUpdate:
             raise ControlError(
                 "the estimated mass is no longer positive",
                 key="parameters (total mass)",
-                value=mass,
+                value=float(mass),
                 accepted="> 0 kg",
             )
 

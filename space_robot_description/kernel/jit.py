@@ -47,18 +47,38 @@ def inner(function: Function) -> Function:
     return result
 
 
+def summing(function: Function) -> Function:
+    """Compile a function like ``inner`` and leave the order of its sums to the compiler, several times as fast.
+
+    Equal inputs give equal bits on one machine; with vectors of another width the last bits may be others.
+    """
+    if numba is None:
+        return function
+    result: Function = numba.njit(**_OPTIONS | {"fastmath": {"reassoc"}})(function)
+    return result
+
+
 def bound(function: Function, *arguments: object) -> Function:
     """The machine code of a kernel for arguments of these types: the caller vouches that they stay the same.
 
     It spares numba's look-up of the types on every call, which takes 10 us for tuples of thirty arrays.
     """
     dispatcher: Any = function
-    if not hasattr(dispatcher, "get_overload"):
+    signature = ready(function, *arguments)
+    if not signature:
         return function
-    signature = tuple(numba.typeof(argument) for argument in arguments)
-    dispatcher.compile(signature)
     result: Function = dispatcher.get_overload(signature)
     return result
+
+
+def ready(function: Callable[..., Any], *arguments: object) -> tuple[Any, ...]:
+    """Compile a kernel for arguments of these types now, not at its first call; returns the types it knows them by."""
+    dispatcher: Any = function
+    if not hasattr(dispatcher, "get_overload"):
+        return ()
+    signature = tuple(numba.typeof(argument) for argument in arguments)
+    dispatcher.compile(signature)
+    return signature
 
 
 def constants(*numbers: int) -> tuple[Any, ...]:
