@@ -113,14 +113,10 @@ class Adaptive(Law):
         desk = self._cycle.desk
         blocks = {**self._error_blocks(), "lyapunov_function": value, **self._update.blocks()}
         self._update.track(desk.rows, desk.entailed)
-        self._hold(x, dx, omega, u[:6])
+        # What acts from now on, for the update and for the wheels.
+        middle = self._wheels.hold(u[3:6], self.control_period)
+        self._update.hold(kernel.Held(x, dx, omega, middle, u[:6]))
         return u, blocks
-
-    def _hold(self, x: Vector, dx: Vector, omega: Vector, wrench: Vector) -> None:
-        """Remember what acts from now on, for the update and for the wheels."""
-        middle = self._wheels.after(wrench[3:], 0.5 * self.control_period)
-        self._update.hold(kernel.Held(x, dx, omega, middle, wrench))
-        self._wheels.momentum = self._wheels.after(wrench[3:], self.control_period)
 
     def _damping_matrix(self, x: Vector) -> Vector:
         matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)
@@ -146,8 +142,11 @@ class Adaptive(Law):
             )
 
     def _error_blocks(self) -> dict[str, Vector]:
-        error, sigma = np.array(self._cycle.desk.error), np.array(self._cycle.desk.sigma)
-        turn = slice(3 - self._first, 6 - self._first)
-        sigma[turn] = self._cycle.desk.sigma[turn][::-1]
-        blocks = {"euler_error": error[turn][::-1], "joint_error": error[turn.stop :], "sliding_variable": sigma}
+        desk, shown, turn = self._cycle.desk, self._cycle.shown, 3 - self._first
+        error = desk.error[shown]
+        blocks = {
+            "euler_error": error[turn : turn + 3],
+            "joint_error": error[turn + 3 :],
+            "sliding_variable": desk.sigma[shown],
+        }
         return blocks if self._first else {"position_error": error[:3], **blocks}

@@ -28,6 +28,7 @@ class Cycle:
     Attributes:
         rule: the law in numbers; ``damping`` is the caller's to fill.
         desk: what the last call left.
+        shown: (m,) where telemetry finds translation, roll, pitch, yaw and joints in an array of the actuated.
     """
 
     def __init__(self, robot: Robot, gains: AdaptiveGains, control_period: float) -> None:
@@ -46,6 +47,8 @@ class Cycle:
             noise=noise,
         )
         self.desk = desk_for(n, first)
+        # Of the rotations telemetry shows roll first, the coordinates have yaw first.
+        self.shown = np.array([0, 1, 2, 5, 4, 3, *range(6, 6 + n)])[first:] - first
         self._compile(n)
 
     def reset(self) -> None:

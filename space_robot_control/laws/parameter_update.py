@@ -112,7 +112,7 @@ class ParameterUpdate:
         out: dict[str, object] = {"parameters": self.estimate, "consistent": float(self.consistent)}
         if self._rls is not None:
             out |= {
-                "innovation": self._by_roll_pitch_yaw(self._innovation),
+                "innovation": self._innovation[self._cycle.shown],
                 "surprise": self._rls.surprise,
                 "covariance_trace": self._rls.covariance_trace,
                 "resets": float(self._rls.resets),
@@ -135,9 +135,3 @@ class ParameterUpdate:
                 value=float(mass),
                 accepted="> 0 kg",
             )
-
-    def _by_roll_pitch_yaw(self, values: Vector) -> Vector:
-        out = np.array(values)
-        first = 3 - self._cycle.rule.first
-        out[first : first + 3] = values[first : first + 3][::-1]
-        return out

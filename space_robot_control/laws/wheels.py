@@ -33,6 +33,11 @@ class WheelMomentum:
             axes /= np.linalg.norm(axes, axis=1, keepdims=True)
             self.momentum = np.array(wheels.initial_momentum) @ axes
 
-    def after(self, torque: Vector, seconds: float) -> Vector:
-        """Return h (3,) after a torque (3,) [N m] on the base for that long [s]."""
-        return self.momentum - seconds * torque if self._present else self.momentum
+    def hold(self, torque: Vector, seconds: float) -> Vector:
+        """Go on to the end of a torque (3,) [N m] on the base for that long [s]; returns h (3,) in the middle of it."""
+        if not self._present:
+            return self.momentum
+        half = 0.5 * seconds * torque
+        middle: Vector = self.momentum - half
+        self.momentum = middle - half
+        return middle
