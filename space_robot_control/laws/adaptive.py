@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from space_robot_control.euler import PITCH, euler_state
-from space_robot_control.kernel import cycle as kernel
+from space_robot_control.kernel import answer
+from space_robot_control.kernel.desk import Held
 from space_robot_control.laws.adaptive_gains import AdaptiveGains
 from space_robot_control.laws.adaptive_review import AdaptiveReview
 from space_robot_control.laws.base import Blocks, Law, Review
@@ -81,7 +82,7 @@ class Adaptive(Law):
     @classmethod
     def must_compile(cls) -> bool:
         """True before the first adaptive law on a machine."""
-        return not cached(Path(kernel.__file__), kernel.answer.__name__)
+        return not cached(Path(answer.__file__), answer.answer.__name__)
 
     def reset(self) -> None:
         """Forget the past: estimate, covariance and damping matrix are those of the start again."""
@@ -115,7 +116,7 @@ class Adaptive(Law):
         self._update.track(desk.rows, desk.entailed)
         # What acts from now on, for the update and for the wheels.
         middle = self._wheels.hold(u[3:6], self.control_period)
-        self._update.hold(kernel.Held(x, dx, omega, middle, u[:6]))
+        self._update.hold(Held(x, dx, omega, middle, u[:6]))
         return u, blocks
 
     def _damping_matrix(self, x: Vector) -> Vector:

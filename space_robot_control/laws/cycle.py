@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from space_robot_control.kernel.answer import answer
 from space_robot_control.kernel.consistency import judge
-from space_robot_control.kernel.cycle import ACCELEROMETER, MODEL, VELOCITY, Held, Rule, answer, desk_for, fits, middle
+from space_robot_control.kernel.desk import ACCELEROMETER, MODEL, VELOCITY, Held, Rule, desk_for
 from space_robot_control.kernel.euler import coordinates
 from space_robot_control.kernel.least_squares import combine, learn, spread
+from space_robot_control.kernel.lesson import fits, middle
 from space_robot_control.kernel.tree import tree_of
 from space_robot_control.laws.adaptive_gains import AdaptiveGains
 from space_robot_description.kernel.jit import bound, ready
@@ -18,7 +20,7 @@ _SOURCES = {"model": MODEL, "accelerometer": ACCELEROMETER, "velocity": VELOCITY
 
 
 class Cycle:
-    """Holds the numbers that ``kernel.cycle`` works on; compiled when it is made, the first time on a machine.
+    """Holds the numbers that the kernels work on; compiled when it is made, the first time on a machine.
 
     Args:
         robot: the NOMINAL robot.

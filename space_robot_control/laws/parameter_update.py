@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from space_robot_control.kernel.consistency import judge
-from space_robot_control.kernel.cycle import Held
+from space_robot_control.kernel.desk import Held
 from space_robot_control.kernel.least_squares import combine
 from space_robot_control.laws.adaptive_gains import AdaptiveGains
 from space_robot_control.laws.base import Blocks

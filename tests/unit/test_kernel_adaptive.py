@@ -12,8 +12,9 @@ import pytest
 
 from space_robot_bringup import compiling
 from space_robot_control.euler import difference, euler_acceleration, euler_state
-from space_robot_control.kernel import cycle as kernel
+from space_robot_control.kernel.answer import answer
 from space_robot_control.kernel.consistency import judge
+from space_robot_control.kernel.desk import Held
 from space_robot_control.kernel.least_squares import spread
 from space_robot_control.kernel.regressor import slotine_li
 from space_robot_control.kernel.tree import places, tree_of
@@ -160,7 +161,7 @@ def test_rows_that_teach_are_those_of_the_equations_over_pinocchio(name: str, so
             rng.normal(size=(2, 6)),
         )
         (x0, dx0), (x1, dx1) = euler_state(start), euler_state(end)
-        held = kernel.Held(x0, dx0, start.v[3:6], wheels[:3], wrench)
+        held = Held(x0, dx0, start.v[3:6], wheels[:3], wrench)
         rows, values = cycle.middle(pi, held, x1, dx1, end)
         x, dx, ddx = x0 + 0.5 * difference(x1, x0), 0.5 * (dx0 + dx1), (dx1 - dx0) / PERIOD
         if first:
@@ -207,7 +208,7 @@ def test_an_estimate_is_judged_by_all_its_numbers() -> None:
 @pytest.mark.skipif(not jit.COMPILED, reason="numba is not installed")
 def test_cache_watches_every_source_of_the_cycle() -> None:
     """The cached machine code is tied to the law's kernel folder and to the one shared with the plant."""
-    compiled: Any = kernel.answer
+    compiled: Any = answer
     assert compiled._cache._cache_file._source_stamp == jit.digest(compiled.py_func)
     assert jit.digest(compiled.py_func) != jit.digest(jit.kernel)
 
