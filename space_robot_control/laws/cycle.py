@@ -51,6 +51,8 @@ class Cycle:
         self.desk = desk_for(n, first)
         # Of the rotations telemetry shows roll first, the coordinates have yaw first.
         self.shown = np.array([0, 1, 2, 5, 4, 3, *range(6, 6 + n)])[first:] - first
+        self._values = np.zeros(6 + n)
+        self._lesson = self.desk.rows[first:], self._values[first:]
         self._compile(n)
 
     def reset(self) -> None:
@@ -60,6 +62,8 @@ class Cycle:
     def middle(self, estimate: Vector, held: Held, x: Vector, dx: Vector, state: RobotState) -> tuple[Vector, Vector]:
         """Return regressor (m, P) and generalised force (m,) in the middle of a period, scaled to unit noise.
 
+        Both are memory that the next call writes anew.
+
         Args:
             estimate: (P,) pi_hat.
             held: start of the period.
@@ -67,10 +71,9 @@ class Cycle:
             dx: (6+n,) their rates at its end.
             state: at its end.
         """
-        values = np.empty(x.size)
         measured = state.q, state.v, state.effort, state.base_acceleration
-        self._middle(self._tree, self.rule, estimate, held, x, dx, *measured, self.desk, values)
-        return self.desk.rows[self.rule.first :], values[self.rule.first :]
+        self._middle(self._tree, self.rule, estimate, held, x, dx, *measured, self.desk, self._values)
+        return self._lesson
 
     def answer(
         self, estimate: Vector, x: Vector, dx: Vector, omega: Vector, wheels: Vector, reference: Reference
@@ -101,7 +104,7 @@ class Cycle:
         self._answer = bound(
             answer, self._tree, self.rule, estimate, v, v, omega, wheels, asked.q, asked.v, asked.a, self.desk, v
         )
-        rows, values = self.desk.rows[self.rule.first :], v[self.rule.first :]
+        rows, values = self._lesson
         ready(coordinates, state.q, state.v, v, v)
         root, pair = np.zeros((estimate.size, estimate.size)), np.zeros((2, estimate.size))
         ready(learn, rows, values, root, estimate, values, pair)

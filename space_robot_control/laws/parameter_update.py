@@ -109,16 +109,14 @@ class ParameterUpdate:
 
     def blocks(self) -> Blocks:
         """Telemetry of the update; the labels depend on the gains only."""
-        out: dict[str, object] = {"parameters": self.estimate, "consistent": float(self.consistent)}
+        out: dict[str, Vector | float] = {"parameters": self.estimate, "consistent": float(self.consistent)}
         if self._rls is not None:
-            out |= {
-                "innovation": self._innovation[self._cycle.shown],
-                "surprise": self._rls.surprise,
-                "covariance_trace": self._rls.covariance_trace,
-                "resets": float(self._rls.resets),
-                "learned": float(self._learned),
-            }
-        return out  # type: ignore[return-value]
+            out["innovation"] = self._innovation[self._cycle.shown]
+            out["surprise"] = self._rls.surprise
+            out["covariance_trace"] = self._rls.covariance_trace
+            out["resets"] = float(self._rls.resets)
+            out["learned"] = float(self._learned)
+        return out
 
     def _accept(self, estimate: Vector) -> None:
         finite, mass, possible = judge(estimate)

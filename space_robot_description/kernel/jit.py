@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -88,11 +89,15 @@ def constants(*numbers: int) -> tuple[Any, ...]:
 
 def digest(function: Callable[..., Any]) -> str:
     """The digest of all sources that a kernel may contain: those of its own folder and those that kernels share."""
+    return _digest(Path(function.__code__.co_filename).parent)
+
+
+@cache
+def _digest(folder: Path) -> str:
     found = hashlib.sha256()
-    for folder in (Path(__file__).parent, Path(function.__code__.co_filename).parent):
-        for path in sorted(folder.glob("*.py")):
-            found.update(path.name.encode())
-            found.update(path.read_bytes())
+    for path in (*sorted(Path(__file__).parent.glob("*.py")), *sorted(folder.glob("*.py"))):
+        found.update(path.name.encode())
+        found.update(path.read_bytes())
     return found.hexdigest()
 
 
