@@ -12,11 +12,11 @@ from time import perf_counter
 
 import numpy as np
 
+from space_robot_description.kernel.jit import bound
 from space_robot_msgs_py.interfaces import Command, Vector
 from space_robot_sim.actuators import capability, motor_numbers
 from space_robot_sim.integrators import stepping
 from space_robot_sim.kernel.arrays import robot_arrays
-from space_robot_sim.kernel.jit import bound
 from space_robot_sim.kernel.period import flight, fly
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from space_robot_sim.spec import IntegratorSpec

@@ -59,10 +59,13 @@ def list_shipped() -> None:
 @app.command()
 def check(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     """Check an experiment completely without flying it."""
+    from space_robot_bringup.compiling import notice
     from space_robot_bringup.compose import compose
     from space_robot_bringup.experiment import load_experiment
 
     spec = load_experiment(experiment, set_ or ())
+    if line := notice([spec.controller.law], plant=False):
+        err.print(line)
     composition = compose(spec)
     nominal, review = composition.nominal, composition.review()
     out.print(
@@ -233,13 +236,13 @@ def _warn(warning: str) -> None:
 
 
 def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
+    from space_robot_bringup.compiling import notice
     from space_robot_bringup.progress import Progress
     from space_robot_bringup.run import Hooks, run_experiment
     from space_robot_bringup.stopping import StopFlag
-    from space_robot_sim.kernel.cache import must_compile
 
-    if must_compile() and not quiet:
-        err.print("compiling the plant, once (about 20 s)")
+    if not quiet and (line := notice([spec.controller.law])):
+        err.print(line)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=_warn)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import copysign, cos, pi, remainder, tau
+from math import copysign, cos, pi, remainder, sin, tau
 
 from space_robot_control.rotations import Floats, Three, to_rpy
 
@@ -13,6 +13,23 @@ LOCKED = 1e-7
 def wrapped(angle: float) -> float:
     """Return the angle in [-pi, pi] that differs by whole turns [rad]."""
     return remainder(angle, tau)
+
+
+def euler_rates(rpy: Floats, omega: Floats, smallest_cosine: float) -> Three:
+    """Return the derivatives of roll, pitch, yaw for a body rate: N(rpy)^-1 omega [rad/s].
+
+    Args:
+        rpy: roll, pitch, yaw [rad].
+        omega: (3,) body rate [rad/s].
+        smallest_cosine: what |cos pitch| counts as where it is less.
+    """
+    roll, pitch, _ = rpy
+    wx, wy, wz = omega
+    cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
+    if abs(cp) < smallest_cosine:
+        cp = copysign(smallest_cosine, cp)
+    yaw_rate = (sr * wy + cr * wz) / cp
+    return wx + yaw_rate * sp, cr * wy - sr * wz, yaw_rate
 
 
 class AngleBranch:

@@ -172,14 +172,9 @@ class Telemetry:
     @classmethod
     def of(cls, stamp: int, blocks: Mapping[str, npt.ArrayLike]) -> Telemetry:
         """Build from an ordered mapping of block name to scalar or 1-D array."""
-        arrays = [
-            block
-            if isinstance(block, np.ndarray) and block.ndim == 1
-            else np.atleast_1d(np.asarray(block, dtype=np.float64))
-            for block in blocks.values()
-        ]
-        data = np.concatenate(arrays) if arrays else np.empty(0)
-        return cls(stamp, tuple(blocks), tuple(a.size for a in arrays), data)
+        parts = [_flat(block) for block in blocks.values()]
+        data = np.concatenate(parts) if parts else np.empty(0)
+        return cls(stamp, tuple(blocks), tuple(map(len, parts)), data)
 
     def __getitem__(self, label: str) -> Vector:
         """The block of that name."""
@@ -193,6 +188,14 @@ class Telemetry:
         for label, size in zip(self.labels, self.sizes, strict=True):
             yield label, self.data[start : start + size]
             start += size
+
+
+def _flat(block: Any) -> Vector | tuple[float]:
+    # A lone number stays one: making an array of each would take longer than all the rest.
+    if isinstance(block, float):
+        return (block,)
+    array = np.asarray(block, dtype=np.float64)
+    return array if array.ndim else array.reshape(1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
@@ -16,7 +17,6 @@ from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.arrays import robot_arrays
-from space_robot_sim.kernel.jit import bound
 from space_robot_sim.kernel.period import Flight, flight, fly, open_books, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS

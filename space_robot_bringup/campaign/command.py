@@ -9,13 +9,14 @@ from pathlib import Path
 
 from rich.console import Console
 
+from space_robot_bringup.campaign.cases import make_case
 from space_robot_bringup.campaign.fly import Keep
 from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult, run_campaign
 from space_robot_bringup.campaign.spec import Campaign
+from space_robot_bringup.compiling import notice
 from space_robot_bringup.progress import Progress
 from space_robot_bringup.stopping import StopFlag
 from space_robot_msgs_py.errors import SpecError
-from space_robot_sim.kernel.cache import must_compile
 
 MOST_WORKERS = 1024
 
@@ -52,8 +53,9 @@ def fly(
         raise SpecError("not a number of workers", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
     if workers is not None and scheduler is not None:
         raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
-    if scheduler is None and must_compile() and not quiet:
-        console.print("compiling the plant, once (about 20 s)")
+    laws = [make_case(campaign, index).data["controller"]["law"] for index in range(campaign.points)]
+    if not quiet and (line := notice(laws, plant=scheduler is None)):
+        console.print(line)
     cases = campaign.cases
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(console, cases, quiet=quiet, unit="run") as progress:
         return run_campaign(

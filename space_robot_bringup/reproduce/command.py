@@ -10,6 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from space_robot_bringup.compiling import notice
 from space_robot_bringup.progress import Progress
 from space_robot_bringup.reproduce.markdown import markdown
 from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan
@@ -18,7 +19,6 @@ from space_robot_bringup.reproduce.show import show
 from space_robot_bringup.reproduce.workers import cores
 from space_robot_bringup.stopping import StopFlag
 from space_robot_msgs_py.errors import InputFileError, SpecError
-from space_robot_sim.kernel.cache import must_compile
 
 MOST_WORKERS = 256
 
@@ -73,8 +73,9 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     if order.markdown is not None and not order.markdown.resolve().parent.is_dir():
         raise InputFileError("no such folder", key="--markdown", value=str(order.markdown))
     directory = order.directory or Path("out") / plan.name
-    if must_compile() and not order.as_json:
-        err.print("compiling the plant, once (about 20 s)")
+    laws = [flight.experiment.controller.law for flight in plan.flights(figures).values()]
+    if not order.as_json and (line := notice(laws)):
+        err.print(line)
     prepare(plan, figures, directory)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         flown = _fly(plan, figures, directory, order, err, lambda: stop.reason)

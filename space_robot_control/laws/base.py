@@ -83,6 +83,11 @@ class Law(ABC):
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
 
+    @classmethod
+    def must_compile(cls) -> bool:
+        """True if the next such law will first be compiled when it is made, which takes seconds; by default never."""
+        return False
+
     @abstractmethod
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return the generalised force u (6+n,) [N, N m] and the labelled blocks of telemetry.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from space_robot_control.kernel.consistency import judge
 from space_robot_description.inertia import pseudo_inertia
 from space_robot_msgs_py.interfaces import Vector
 
@@ -27,11 +28,8 @@ def pseudo_inertias(parameters: Vector) -> Vector:
 
 def is_consistent(parameters: Vector) -> bool:
     """True if every body with these (10 B,) parameters can exist."""
-    try:
-        np.linalg.cholesky(pseudo_inertias(parameters))
-    except np.linalg.LinAlgError:
-        return False
-    return True
+    _, _, possible = judge(parameters)
+    return possible
 
 
 def project(parameters: Vector) -> Vector:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from space_robot_control.kernel.lesson import fits
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
@@ -27,12 +28,16 @@ class CommandLimits:
         if isinstance(torque, ReactionWheels):
             axes = np.array(torque.axes).T
             self._axes = axes / np.linalg.norm(axes, axis=0)
-            self._share = np.linalg.pinv(self._axes)
+            self._share = np.ascontiguousarray(np.linalg.pinv(self._axes))
             self._wheel_limit = torque.torque
         else:
             limit[3:6] = torque.limit
             self._axes, self._share, self._wheel_limit = np.zeros((3, 0)), np.zeros((0, 3)), 0.0
         self._limit = limit
+        shares = self._share if self._share.size else np.identity(3)
+        torques = np.full(shares.shape[0], self._wheel_limit) if self._share.size else limit[3:6].copy()
+        force = np.zeros(3) if robot.actuators.base_force is None else limit[:3].copy()
+        self._base = shares, torques, force
         self._all = np.concatenate((limit, np.full(self._share.shape[0], self._wheel_limit)))
 
     def fits(self, u: Vector) -> bool:
@@ -42,6 +47,10 @@ class CommandLimits:
             u: (6+n,) command [N, N m].
         """
         return bool((np.abs(self._channels(u)) <= self._all).all())
+
+    def base_fits(self, wrench: Vector) -> bool:
+        """Return True if force and torque (6,) on the base are within the limits [N, N m]."""
+        return fits(*self._base, wrench)
 
     def per_axis(self, u: Vector) -> Vector:
         """Return the command (6+n,) with every channel, and every wheel, clipped on its own [N, N m]."""

@@ -7,8 +7,7 @@ from typing import Literal
 
 from pydantic import Field, PositiveFloat
 
-from space_robot_control.angle_branch import AngleBranch, wrapped
-from space_robot_control.euler import rates as euler_rates
+from space_robot_control.angle_branch import AngleBranch, euler_rates, wrapped
 from space_robot_control.laws.ntsmc_gains import SlidingGains
 from space_robot_control.laws.sliding import Floats
 from space_robot_control.laws.terminal_sliding import RotationErrors, TerminalSliding

@@ -2,42 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf
 
 import numpy as np
 
-from space_robot_control.euler import PITCH, ROLL, YAW, difference, generalised_torque
+from space_robot_control.kernel.consistency import judge
+from space_robot_control.kernel.desk import Held
+from space_robot_control.kernel.least_squares import combine
 from space_robot_control.laws.adaptive_gains import AdaptiveGains
 from space_robot_control.laws.base import Blocks
-from space_robot_control.laws.consistency import is_consistent, natural_step, project
+from space_robot_control.laws.consistency import natural_step, project
+from space_robot_control.laws.cycle import Cycle
 from space_robot_control.laws.least_squares import RecursiveLeastSquares
 from space_robot_control.laws.limits import CommandLimits
-from space_robot_control.laws.regressor import PER_BODY, Regressor
-from space_robot_control.laws.wheels import gyroscopic
-from space_robot_control.rotations import from_rpy, rotate
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import RobotState, Vector
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Held:
-    """What a period starts with and what acts over it.
-
-    Attributes:
-        x: (6+n,) Euler coordinates.
-        dx: (6+n,) their rates.
-        omega: (3,) body rate [rad/s].
-        wheels: (3,) momentum of the wheels in the middle of the period, body frame [N m s].
-        wrench: (6,) commanded on the base, body frame [N, N m].
-    """
-
-    x: Vector
-    dx: Vector
-    omega: Vector
-    wheels: Vector
-    wrench: Vector
 
 
 class ParameterUpdate:
@@ -49,24 +29,22 @@ class ParameterUpdate:
 
     Args:
         robot: the NOMINAL robot.
-        regressor: its linear separation.
+        prior: (10 (1+n),) its parameters.
+        cycle: the regressor of a period.
         gains: of the law.
-        control_period: [s].
 
     Attributes:
-        estimate: (10 (1+n),) pi_hat.
+        estimate: (10 (1+n),) pi_hat; a new array after every update.
+        consistent: every body with these parameters can exist.
 
     Reference: Liu, Teng, Jin (2023), (39)-(45).
     """
 
-    def __init__(self, robot: Robot, regressor: Regressor, gains: AdaptiveGains, control_period: float) -> None:
-        self._regressor, self._gains, self._period = regressor, gains, control_period
-        self._first = 3 if robot.base_mode == "free_floating" else 0
+    def __init__(self, robot: Robot, prior: Vector, cycle: Cycle, gains: AdaptiveGains) -> None:
+        self._cycle, self._gains = cycle, gains
         self._limits = CommandLimits(robot)
-        self.estimate: Vector = regressor.parameters
-        size, rls = np.abs(regressor.parameters), gains.rls
-        self._noise = np.full(6 + robot.n - self._first, rls.torque_noise)
-        self._noise[: 3 - self._first] = rls.force_noise
+        size, rls = np.abs(prior), gains.rls
+        self._noise = cycle.rule.noise
         self._innovation = np.zeros(self._noise.size)
         self._learned = False
         self._rls: RecursiveLeastSquares | None = None
@@ -75,17 +53,11 @@ class ParameterUpdate:
             limits = (inf, 1) if when is None else (when.threshold, when.samples)
             self._rls = RecursiveLeastSquares(rls.prior_spread * size + rls.prior_floor, *limits)
         self._tracks = gains.update in ("lyapunov", "composite")
-        self._step = control_period * gains.tracking.gain
-        self._scale = (size + gains.tracking.floor) ** 2
+        self._step = cycle.rule.period * gains.tracking.gain
+        self._gain = self._step * (size + gains.tracking.floor) ** 2
         self._held: Held | None = None
-        if gains.consistency != "none":
-            self.estimate = project(self.estimate)
-        self.consistent = is_consistent(self.estimate)
-
-    @property
-    def mass(self) -> float:
-        """Estimated mass of the whole robot [kg]."""
-        return float(self.estimate[::PER_BODY].sum())
+        self.estimate: Vector = np.array(prior if gains.consistency == "none" else project(prior))
+        _, _, self.consistent = judge(self.estimate)
 
     def observe(self, state: RobotState, x: Vector, dx: Vector) -> None:
         """Learn from the period that ended in this state.
@@ -102,13 +74,13 @@ class ParameterUpdate:
         held = self._held
         if self._rls is None or held is None:
             return
-        self._innovation = np.zeros(self._noise.size)
-        # The joints' efforts are measured; only what the base was told has to be believed.
-        if self._limits.fits(np.concatenate((held.wrench, np.zeros(state.effort.size)))):
-            rows, values = self._rows(held, state, x, dx)
-            estimate, innovation = self._rls.correct(self.estimate, rows / self._noise[:, None], values / self._noise)
-            self._innovation, self._learned = innovation * self._noise, True
-            self._accept(estimate)
+        if not self._limits.base_fits(held.wrench):
+            self._innovation = np.zeros(self._noise.size)
+            return
+        rows, values = self._cycle.middle(self.estimate, held, x, dx, state)
+        estimate, innovation = self._rls.correct(self.estimate, rows, values)
+        self._innovation, self._learned = innovation * self._noise, True
+        self._accept(estimate)
 
     def track(self, regressor: Vector, sigma: Vector) -> None:
         """Learn from the tracking error by (44): pi_hat' = Gamma Y^T sigma.
@@ -122,13 +94,14 @@ class ParameterUpdate:
         """
         if not self._tracks:
             return
-        gradient = sigma @ regressor
+        gradient = np.empty(self.estimate.size)
+        combine(regressor, sigma, gradient)
         if self._gains.consistency == "natural":
             self._accept(natural_step(self.estimate, gradient, self._step))
         elif self._rls is not None:
             self._accept(self.estimate + self._step * self._rls.spread_along(gradient))
         else:
-            self._accept(self.estimate + self._step * self._scale * gradient)
+            self._accept(self.estimate + self._gain * gradient)
 
     def hold(self, held: Held) -> None:
         """Remember what the next period starts with."""
@@ -136,55 +109,27 @@ class ParameterUpdate:
 
     def blocks(self) -> Blocks:
         """Telemetry of the update; the labels depend on the gains only."""
-        out: dict[str, object] = {"parameters": self.estimate, "consistent": float(self.consistent)}
+        out: dict[str, Vector | float] = {"parameters": self.estimate, "consistent": float(self.consistent)}
         if self._rls is not None:
-            out |= {
-                "innovation": self._by_roll_pitch_yaw(self._innovation),
-                "surprise": self._rls.surprise,
-                "covariance_trace": self._rls.covariance_trace,
-                "resets": float(self._rls.resets),
-                "learned": float(self._learned),
-            }
-        return out  # type: ignore[return-value]
-
-    def _rows(self, held: Held, state: RobotState, x1: Vector, dx1: Vector) -> tuple[Vector, Vector]:
-        """Regressor (m, P) and generalised force (m,) in the middle of the period."""
-        x, dx = held.x + 0.5 * difference(x1, held.x), 0.5 * (held.dx + dx1)
-        ddx = (dx1 - held.dx) / self._period
-        acting = held.wrench[3:] - gyroscopic(0.5 * (held.omega + state.v[3:6]), held.wheels)
-        torque = generalised_torque(x, acting.tolist())
-        if self._first == 0:
-            force = rotate(from_rpy(x[[ROLL, PITCH, YAW]]), held.wrench[:3])
-            return self._regressor.inverse_dynamics(x, dx, ddx), np.array((*force, *torque, *state.effort.tolist()))
-        source = self._gains.rls.translation
-        if source == "accelerometer":
-            ddx[:3] = rotate(state.q[3:7], state.base_acceleration)
-        elif source == "model":
-            ddx[:3] = 0.0
-        rows = self._regressor.inverse_dynamics(x, dx, ddx)
-        if source == "model":
-            push = np.zeros(ddx.size)
-            push[:3] = rows[:3] @ self.estimate / -self.mass
-            rows += self._regressor.inertia(x, push)
-        return rows[3:], np.array((*torque, *state.effort.tolist()))
+            out["innovation"] = self._innovation[self._cycle.shown]
+            out["surprise"] = self._rls.surprise
+            out["covariance_trace"] = self._rls.covariance_trace
+            out["resets"] = float(self._rls.resets)
+            out["learned"] = float(self._learned)
+        return out
 
     def _accept(self, estimate: Vector) -> None:
-        if not isfinite(estimate.sum()):
+        finite, mass, possible = judge(estimate)
+        if not finite:
             raise ControlError("the parameter estimate is not finite", key="parameters", accepted="finite numbers")
-        if self._gains.consistency == "project":
+        if self._gains.consistency == "project" and not possible:
             estimate = project(estimate)
-        self.estimate = estimate
-        if self.mass <= 0.0:
+            _, mass, possible = judge(estimate)
+        self.estimate, self.consistent = estimate, possible
+        if mass <= 0.0:
             raise ControlError(
                 "the estimated mass is no longer positive",
                 key="parameters (total mass)",
-                value=self.mass,
+                value=float(mass),
                 accepted="> 0 kg",
             )
-        self.consistent = is_consistent(estimate)
-
-    def _by_roll_pitch_yaw(self, values: Vector) -> Vector:
-        out = np.array(values)
-        first = 3 - self._first
-        out[first : first + 3] = values[first : first + 3][::-1]
-        return out

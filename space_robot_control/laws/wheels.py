@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from space_robot_control.rotations import cross
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
@@ -34,11 +33,11 @@ class WheelMomentum:
             axes /= np.linalg.norm(axes, axis=1, keepdims=True)
             self.momentum = np.array(wheels.initial_momentum) @ axes
 
-    def after(self, torque: Vector, seconds: float) -> Vector:
-        """Return h (3,) after a torque (3,) [N m] on the base for that long [s]."""
-        return self.momentum - seconds * torque if self._present else self.momentum
-
-
-def gyroscopic(omega: Vector, momentum: Vector) -> Vector:
-    """Return omega x h (3,) [N m], the torque that turning the wheels takes, body frame."""
-    return np.array(cross(omega, momentum))
+    def hold(self, torque: Vector, seconds: float) -> Vector:
+        """Go on to the end of a torque (3,) [N m] on the base for that long [s]; returns h (3,) in the middle of it."""
+        if not self._present:
+            return self.momentum
+        half = 0.5 * seconds * torque
+        middle: Vector = self.momentum - half
+        self.momentum = middle - half
+        return middle

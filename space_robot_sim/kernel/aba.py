@@ -8,11 +8,8 @@ from __future__ import annotations
 
 import math
 
-from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import BASE, INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
-from space_robot_sim.kernel.articulated import AV, AW, UF, UN, A, D, E, F, H, M, N, P, R, V, W, pass_inward
-from space_robot_sim.kernel.jit import inner, kernel
-from space_robot_sim.kernel.spatial import (
+from space_robot_description.kernel.jit import inner, kernel
+from space_robot_description.kernel.spatial import (
     Vec,
     add,
     cross,
@@ -24,9 +21,13 @@ from space_robot_sim.kernel.spatial import (
     mul_sym,
     mul_t,
     put3,
+    put9,
     scaled,
     solve,
 )
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.arrays import BASE, INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
+from space_robot_sim.kernel.articulated import AV, AW, UF, UN, A, D, E, F, H, M, N, P, R, V, W, pass_inward
 
 
 @kernel
@@ -73,8 +74,7 @@ def place(robot: RobotArrays, body: int, joint: float, out: Vector) -> None:
             c * m[7] - s * m[6],
             m[8],
         )
-    for k in range(9):
-        out[body, R + k] = m[k]
+    put9(out, body, R, m)
     put3(out, body, P, origin)
 
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.jit import inner, kernel
 from space_robot_sim.kernel.rhs import BEGIN, END, FORCE, RATE, SEGMENT_SIZE, STORED, TORQUE
 
 

@@ -9,11 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import pinocchio as pin
 
-from space_robot_msgs_py.errors import SpecError
+from space_robot_description.kernel.jit import constants
+from space_robot_description.kernel.joints import joint_axes
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.jit import constants
 
 # Columns of `links`: rotation to the parent (9), origin in the parent (3), mass, mass * com (3), inertia at origin (6).
 ROTATION, ORIGIN, MASS, MOMENT, INERTIA, LINK_SIZE = constants(0, 9, 12, 13, 16, 22)
@@ -45,54 +44,21 @@ def robot_arrays(model: Any, motors: npt.ArrayLike | None = None) -> RobotArrays
     Raises:
         SpecError: the model is not such a robot.
     """
-    _check(model)
+    axes, slides = joint_axes(model)
     bodies = model.njoints - 1
-    data = model.createData()
-    pin.computeJointJacobians(model, data, pin.neutral(model))
     tree = np.zeros((bodies, 2), dtype=np.int64)
     links = np.zeros((bodies, LINK_SIZE))
     turns = [np.eye(3)]
     for body in range(bodies):
         if body:
-            column = pin.getJointJacobian(model, data, body + 1, pin.LOCAL)[:, model.joints[body + 1].idx_v]
-            tree[body] = model.parents[body + 1] - 1, _slides(column, model.names[body + 1])
-            turns.append(_frame_along(column[:3] if tree[body, PRISMATIC] else column[3:]))
+            tree[body] = model.parents[body + 1] - 1, slides[body - 1]
+            turns.append(_frame_along(axes[body - 1]))
             placement, parent_turn = model.jointPlacements[body + 1], turns[tree[body, PARENT]]
             links[body, ROTATION:ORIGIN] = (parent_turn.T @ placement.rotation @ turns[body]).ravel()
             links[body, ORIGIN:MASS] = parent_turn.T @ placement.translation
         links[body, MASS:] = _inertia(model.inertias[body + 1], turns[body])
     ideal = np.tile([0.0, 0.0, 0.0, 1.0], (bodies - 1, 1))
     return RobotArrays(tree, links, ideal if motors is None else np.ascontiguousarray(motors, dtype=np.float64))
-
-
-def _check(model: Any) -> None:
-    if model.njoints < 2 or model.joints[1].shortname() != "JointModelFreeFlyer":
-        raise SpecError("the first joint is not a free-flyer", key="robot.model", accepted="JointModelFreeFlyer")
-    for index in range(2, model.njoints):
-        joint = model.joints[index]
-        if (joint.nq, joint.nv) != (1, 1):
-            raise SpecError(
-                f"joint {model.names[index]} does not have one degree of freedom",
-                key="robot.model",
-                value=joint.shortname(),
-                accepted="revolute (with limits, or continuous as one angle) and prismatic joints",
-            )
-    if np.any(model.gravity.vector):
-        raise SpecError("gravity is not zero", key="robot.model.gravity", value=model.gravity.vector.tolist())
-    if np.any(model.armature):
-        raise SpecError(
-            "rotor armature has no place in the momentum balance",
-            key="robot.model.armature",
-            value=model.armature.tolist(),
-            accepted="zeros, with the rotors' inertia in the links",
-        )
-
-
-def _slides(column: Vector, name: str) -> bool:
-    linear, angular = np.linalg.norm(column[:3]), np.linalg.norm(column[3:])
-    if min(linear, angular) > 1e-12 or abs(max(linear, angular) - 1.0) > 1e-9:
-        raise SpecError(f"joint {name} is neither revolute nor prismatic", key="robot.model", value=column.tolist())
-    return bool(linear > angular)
 
 
 def _frame_along(axis: Vector) -> npt.NDArray[np.float64]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import PARENT, PRISMATIC, RobotArrays
-from space_robot_sim.kernel.jit import constants, inner
-from space_robot_sim.kernel.spatial import (
+from space_robot_description.kernel.jit import constants, inner
+from space_robot_description.kernel.spatial import (
     Mat,
     Sym,
     Vec,
@@ -23,6 +21,8 @@ from space_robot_sim.kernel.spatial import (
     turned_rows,
     turned_sym,
 )
+from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.arrays import PARENT, PRISMATIC, RobotArrays
 
 Passed = tuple[Sym, Mat, Sym, Vec, Vec]
 

@@ -1,17 +1,12 @@
-"""Has the kernel been compiled here before? Asked without loading the compiler."""
+"""Has the plant's kernel been compiled here before?"""
 
 from __future__ import annotations
 
-import os
-from importlib.util import find_spec
 from pathlib import Path
+
+from space_robot_description.kernel.cache import cached
 
 
 def must_compile() -> bool:
-    """True if the next plant will be compiled first, which takes about 20 s, once.
-
-    A cache elsewhere (NUMBA_CACHE_DIR) is taken as filled: nobody can tell from here.
-    """
-    if find_spec("numba") is None or "NUMBA_CACHE_DIR" in os.environ:
-        return False
-    return not any((Path(__file__).parent / "__pycache__").glob("period.fly-*.nbi"))
+    """True if the next plant will be compiled first, which takes about 20 s, once."""
+    return not cached(Path(__file__).with_name("period.py"), "fly")

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.allocation import Allocation, Capability, allocate, allocation
 from space_robot_sim.kernel.arrays import RobotArrays
-from space_robot_sim.kernel.jit import inner, kernel
 from space_robot_sim.kernel.momentum import (
     ANGULAR,
     BALANCE_SIZE,

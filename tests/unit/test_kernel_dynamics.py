@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from space_robot_description.kernel import jit
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command
-from space_robot_sim.kernel import jit
 from space_robot_sim.kernel.aba import forward_dynamics
 from space_robot_sim.kernel.arrays import robot_arrays
 from space_robot_sim.kernel.articulated import WORKSPACE
@@ -110,7 +110,7 @@ def test_refuses_other_models(spoil: Any, message: str) -> None:
 def test_cache_watches_every_kernel_file() -> None:
     """The cached machine code of an entry is tied to the digest of all kernel sources, not to one file's date."""
     compiled: Any = fly
-    assert compiled._cache._cache_file._source_stamp == jit._digest()
+    assert compiled._cache._cache_file._source_stamp == jit.digest(compiled.py_func)
 
 
 def test_compiles_where_nothing_can_be_cached(monkeypatch: pytest.MonkeyPatch) -> None:

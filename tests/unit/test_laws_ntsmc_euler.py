@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from space_robot_control import rotations as rot
-from space_robot_control.angle_branch import AngleBranch, wrapped
-from space_robot_control.euler import rates as euler_rates
+from space_robot_control.angle_branch import AngleBranch, euler_rates, wrapped
 from space_robot_control.laws import make_law
 from space_robot_control.laws.ntsmc_euler import NtsmcEuler
 from space_robot_control.laws.tracking import tracking_errors

@@ -5,8 +5,8 @@ A symmetric matrix is (xx, xy, xz, yy, yz, zz); a general one is its nine elemen
 
 from __future__ import annotations
 
+from space_robot_description.kernel.jit import inner
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.jit import inner
 
 Vec = tuple[float, float, float]
 Sym = tuple[float, float, float, float, float, float]
@@ -48,9 +48,22 @@ def put3(rows: Vector, i: int, k: int, a: Vec) -> None:
 
 
 @inner
+def put9(rows: Vector, i: int, k: int, m: Mat) -> None:
+    """Store nine numbers in row i from column k."""
+    for j in range(9):
+        rows[i, k + j] = m[j]
+
+
+@inner
 def add(a: Vec, b: Vec) -> Vec:
     """Sum of two vectors."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@inner
+def sub(a: Vec, b: Vec) -> Vec:
+    """Difference of two vectors."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inner
@@ -67,7 +80,7 @@ def dot(a: Vec, b: Vec) -> float:
 
 @inner
 def cross(a: Vec, b: Vec) -> Vec:
-    """Scalar product."""
+    """Vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

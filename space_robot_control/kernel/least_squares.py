@@ -1,0 +1,103 @@
+"""One update of recursive least squares on a square root of the covariance, row by row.
+
+Reference: Potter 1963, in Battin, Astronautical Guidance, 1964, sec. 9.5; Bierman, Factorization Methods for Discrete
+Sequential Estimation, 1977, sec. II.3.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from space_robot_description.kernel.jit import inner, kernel, summing
+from space_robot_msgs_py.interfaces import Vector
+
+
+@kernel
+def learn(
+    rows: Vector, values: Vector, root: Vector, estimate: Vector, innovation: Vector, memory: Vector
+) -> tuple[float, float, float]:
+    """Correct estimate (P,) and root (P, P) by rows (m, P) and values (m,) of unit noise, in place.
+
+    Rows of independent noise may be taken one after the other: with G = L L^T, f = L^T y and s = 1 + f . f,
+
+        pi <- pi + L f (value - y . pi) / s,    L <- L - L f f^T / (s + sqrt(s)).
+
+    Args:
+        rows: (m, P) regressor.
+        values: (m,) measurements.
+        root: (P, P) L.
+        estimate: (P,) pi.
+        innovation: (m,) receives values - Y pi of the estimate before.
+        memory: (2, P) scratch.
+
+    Returns:
+        The squared innovations over their variances, summed; the trace of G; the sum of the s.
+    """
+    along, lift = memory[0], memory[1]
+    surprise, total = 0.0, 0.0
+    for i in range(rows.shape[0]):
+        innovation[i] = values[i] - dot_product(rows[i], estimate)
+    for i in range(rows.shape[0]):
+        combine(root, rows[i], along)
+        variance = 1.0 + dot_product(along, along)
+        residual = values[i] - dot_product(rows[i], estimate)
+        _shrink(root, along, 1.0 / (variance + sqrt(variance)), lift)
+        surprise += residual * residual / variance
+        total += variance
+        for j in range(estimate.shape[0]):
+            estimate[j] += lift[j] * (residual / variance)
+    return surprise, _squares(root, lift), total
+
+
+@kernel
+def combine(rows: Vector, weights: Vector, out: Vector) -> None:
+    """Write the sum (P,) of rows (m, P) times their weights (m,)."""
+    for j in range(out.shape[0]):
+        out[j] = 0.0
+    for k in range(rows.shape[0]):
+        # A row of an arm has nothing on the bodies before its joint.
+        if weights[k] != 0.0:
+            for j in range(out.shape[0]):
+                out[j] += weights[k] * rows[k, j]
+
+
+@kernel
+def spread(root: Vector, direction: Vector, along: Vector, out: Vector) -> None:
+    """Write G d (P,) of G = L L^T without forming G; along (P,) is scratch."""
+    combine(root, direction, along)
+    for k in range(root.shape[0]):
+        out[k] = dot_product(root[k], along)
+
+
+@inner
+def _shrink(root: Vector, along: Vector, gain: float, lift: Vector) -> None:
+    """Write L f, and L <- L - gain L f f^T."""
+    for k in range(root.shape[0]):
+        row = root[k]
+        lift[k] = dot_product(row, along)
+        weight = gain * lift[k]
+        for j in range(along.shape[0]):
+            row[j] -= weight * along[j]
+
+
+@inner
+def _squares(root: Vector, sums: Vector) -> float:
+    """Sum of the squares of a matrix, column by column, which takes a quarter of the time of row by row."""
+    for j in range(sums.shape[0]):
+        sums[j] = 0.0
+    for k in range(root.shape[0]):
+        for j in range(sums.shape[0]):
+            sums[j] += root[k, j] * root[k, j]
+    total = 0.0
+    for value in sums:
+        total += value
+    return total
+
+
+@summing
+def dot_product(a: Vector, b: Vector) -> float:
+    """A . b."""
+    total = 0.0
+    for i in range(a.shape[0]):
+        total += a[i] * b[i]
+    return total

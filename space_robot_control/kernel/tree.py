@@ -1,0 +1,150 @@
+"""A robot in Euler coordinates as three arrays, and where its bodies and axes are.
+
+The degrees of freedom are those of ``kernel.euler``: three translations and three rotations of the base, then the
+joints. Everything is expressed in inertial axes and placed from the origin of the base, because neither the position
+nor the velocity of the base enters the equations of motion.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from space_robot_description.kernel.jit import constants, inner
+from space_robot_description.kernel.joints import joint_axes
+from space_robot_description.kernel.spatial import Mat, Vec, add, get3, get9, mul, product, put3, put9, scaled
+from space_robot_msgs_py.interfaces import Vector
+
+BASE = 6  # degrees of freedom before the first joint
+# Columns of `frames`: rotation to the parent (9), origin in the parent (3), axis of the joint in its own frame (3).
+ROTATION, ORIGIN, AXIS = constants(0, 9, 12)
+# Columns of `bodies`: rotation to inertial axes (9), origin (3); the rest belongs to `kernel.motion`.
+TURN, PLACE = constants(0, 9)
+# Columns of `axes`: direction (3), a point on it (3).
+ALONG, THROUGH = constants(0, 3)
+(ROOT,) = constants(0)
+
+
+class Tree(NamedTuple):
+    """The geometry of 1 + n bodies, each in Pinocchio's joint frame.
+
+    Attributes:
+        parent: (1+n,) body that carries each body; 0 for the base.
+        slides: (6+n,) 1 where a degree of freedom is a translation.
+        frames: (1+n, 15) placements and joint axes [m].
+    """
+
+    parent: npt.NDArray[np.int64]
+    slides: npt.NDArray[np.int64]
+    frames: npt.NDArray[np.float64]
+
+
+class Places(NamedTuple):
+    """Memory of one configuration and one motion.
+
+    Attributes:
+        bodies: (1+n, 24) see the columns here and in `kernel.motion`.
+        axes: (6+n, 6) see the columns here.
+    """
+
+    bodies: npt.NDArray[np.float64]
+    axes: npt.NDArray[np.float64]
+
+
+def tree_of(model: Any) -> Tree:
+    """The arrays of a Pinocchio model.
+
+    Args:
+        model: free-flyer root, then joints with one degree of freedom each, no gravity, no armature.
+
+    Raises:
+        SpecError: the model is not such a robot.
+    """
+    along, sliding = joint_axes(model)
+    bodies = model.njoints - 1
+    frames = np.zeros((bodies, 15))
+    for body in range(1, bodies):
+        placement = model.jointPlacements[body + 1]
+        frames[body] = [*placement.rotation.ravel(), *placement.translation, *along[body - 1]]
+    parent = np.array([max(0, model.parents[body + 1] - 1) for body in range(bodies)], dtype=np.int64)
+    return Tree(parent, np.array([1, 1, 1, 0, 0, 0, *sliding], dtype=np.int64), frames)
+
+
+def places(joints: int) -> Places:
+    """Memory for a robot with that many joints."""
+    return Places(np.zeros((1 + joints, 24)), np.zeros((BASE + joints, 6)))
+
+
+@inner
+def place(tree: Tree, x: Vector, at: Places) -> None:
+    """Turn and place bodies and axes in the configuration x (6+n,)."""
+    bodies, axes = at.bodies, at.axes
+    _place_base(x, at)
+    for body in range(1, tree.parent.shape[0]):
+        above, dof = tree.parent[body], BASE + body - 1
+        turn = get9(bodies, above, TURN)
+        origin = add(get3(bodies, above, PLACE), mul(turn, get3(tree.frames, body, ORIGIN)))
+        turn = product(turn, get9(tree.frames, body, ROTATION))
+        along = mul(turn, get3(tree.frames, body, AXIS))
+        if tree.slides[dof]:
+            origin = add(origin, scaled(x[dof], along))
+        else:
+            turn = product(turn, _about(get3(tree.frames, body, AXIS), x[dof]))
+        put9(bodies, body, TURN, turn)
+        put3(bodies, body, PLACE, origin)
+        put3(axes, dof, ALONG, along)
+        put3(axes, dof, THROUGH, origin)
+
+
+@inner
+def _place_base(x: Vector, at: Places) -> None:
+    """R = Rz(yaw) Ry(pitch) Rx(roll), and the axes that x moves the base along and about."""
+    cy, sy, cp, sp = math.cos(x[3]), math.sin(x[3]), math.cos(x[4]), math.sin(x[4])
+    cr, sr = math.cos(x[5]), math.sin(x[5])
+    put9(
+        at.bodies,
+        ROOT,
+        TURN,
+        (
+            cy * cp,
+            cy * sp * sr - sy * cr,
+            cy * sp * cr + sy * sr,
+            sy * cp,
+            sy * sp * sr + cy * cr,
+            sy * sp * cr - cy * sr,
+            -sp,
+            cp * sr,
+            cp * cr,
+        ),
+    )
+    put3(at.bodies, ROOT, PLACE, (0.0, 0.0, 0.0))
+    put3(at.axes, 0, ALONG, (1.0, 0.0, 0.0))
+    put3(at.axes, 1, ALONG, (0.0, 1.0, 0.0))
+    put3(at.axes, 2, ALONG, (0.0, 0.0, 1.0))
+    put3(at.axes, 3, ALONG, (0.0, 0.0, 1.0))
+    put3(at.axes, 4, ALONG, (-sy, cy, 0.0))
+    put3(at.axes, 5, ALONG, (cy * cp, sy * cp, -sp))
+    for dof in range(BASE):
+        put3(at.axes, dof, THROUGH, (0.0, 0.0, 0.0))
+
+
+@inner
+def _about(axis: Vec, angle: float) -> Mat:
+    """The rotation about a unit axis (Rodrigues)."""
+    x, y, z = axis
+    c, s = math.cos(angle), math.sin(angle)
+    t = 1.0 - c
+    return (
+        c + t * x * x,
+        t * x * y - s * z,
+        t * x * z + s * y,
+        t * x * y + s * z,
+        c + t * y * y,
+        t * y * z - s * x,
+        t * x * z - s * y,
+        t * y * z + s * x,
+        c + t * z * z,
+    )
