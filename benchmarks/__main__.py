@@ -1,11 +1,11 @@
-"""``python -m benchmarks [plant loop graph log]`` prints the tables."""
+"""``python -m benchmarks [plant loop graph log campaign]`` prints the tables."""
 
 from __future__ import annotations
 
 import sys
 from importlib import import_module
 
-NAMES = ("plant", "loop", "graph", "log")
+NAMES = ("plant", "loop", "graph", "log", "campaign")
 
 
 def main() -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from space_robot_bringup.campaign.spec import load_campaign
+from space_robot_bringup.campaign.spec import read_campaign
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.reproduce.plan import manifest_path, read_manifest
 from space_robot_description.load import load_robot
@@ -31,7 +31,7 @@ def _paper(name: str) -> str:
 
 
 def _campaign(name: str) -> str:
-    spec = load_campaign(name)
+    spec = read_campaign(name)
     return f"{spec.runs} runs: {spec.title}"
 
 

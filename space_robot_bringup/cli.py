@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 FAILED, BAD_INPUT = 1, 2
 MODES = ("headless", "graph", "processes")
-COMPILING = "compiling the plant, once (about 20 s)"
 KEPT = ("failed", "all", "none")
 
 app = typer.Typer(
@@ -177,6 +176,7 @@ def campaign(
         keep=cast("Keep", keep),
         console=err,
         quiet=as_json,
+        warn=_warn,
     )
     if as_json:
         print(json.dumps(show.as_dict(spec.title, result), allow_nan=False))
@@ -194,15 +194,14 @@ def reproduce(
     ] = None,
     directory: Annotated[Path | None, typer.Option("--out", help="report directory; default out/<paper>")] = None,
     workers: Annotated[int | None, typer.Option(help="processes; default: one per core")] = None,
+    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write the claims as a table")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Fly the figures of a paper, draw them and judge its claims one by one."""
-    from space_robot_bringup.reproduce.command import run_command
-    from space_robot_sim.kernel.cache import must_compile
+    from space_robot_bringup.reproduce.command import Order, carry_out
 
-    if must_compile() and not as_json:
-        err.print(COMPILING)
-    if not run_command(paper, figure or (), directory, workers, as_json=as_json, console=out, err=err):
+    order = Order(paper, tuple(figure or ()), directory, workers, markdown, as_json)
+    if not carry_out(order, out, err):
         raise typer.Exit(FAILED)
 
 
@@ -240,7 +239,7 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
     from space_robot_sim.kernel.cache import must_compile
 
     if must_compile() and not quiet:
-        err.print(COMPILING)
+        err.print("compiling the plant, once (about 20 s)")
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=_warn)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)

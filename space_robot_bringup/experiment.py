@@ -12,6 +12,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 from ruamel.yaml.scalarstring import LiteralScalarString
 
+from space_robot_bringup.keys import LAW_KEY, set_key
 from space_robot_bringup.plant_spec import AnyPlant, ModelSpec, PlantSpec
 from space_robot_bringup.recorded import with_recorded_log
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
@@ -20,8 +21,6 @@ from space_robot_description.share import config_dir, is_file, shipped
 from space_robot_description.spec import PerJoint, Strict, Three
 from space_robot_description.validation import nearest, parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import InputFileError, SpecError
-
-LAW_KEY = "controller.law"
 
 
 class Initial(Strict):
@@ -175,44 +174,6 @@ def apply_override(data: dict[str, Any], override: str) -> None:
     if not equals or not key.strip():
         raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
     set_key(data, key.strip(), parse_yaml_value(text, f"--set {key}"), f"--set {key}")
-
-
-def set_key(data: dict[str, Any], key: str, value: Any, where: str) -> None:
-    """Set one dotted key in a mapping, making the sections on the way; another law drops the gains of the one before.
-
-    Args:
-        data: what is changed.
-        key: a number in it is an item of a list; a name with dots, such as a body's in ``dispersion.parameters``, is
-            found where it already stands.
-        value: the new value.
-        where: what is being set, for errors.
-
-    Raises:
-        SpecError: the key leads through a value or beyond the end of a list.
-    """
-    controller = data.get("controller")
-    if key == LAW_KEY and isinstance(controller, dict) and controller.get("law") != value:
-        controller.pop("gains", None)
-    place: Any = data
-    while key:
-        there = [name for name in place if f"{key}.".startswith(f"{name}.")] if isinstance(place, dict) else []
-        name = max(there, key=len, default=key.partition(".")[0])
-        key = key[len(name) + 1 :]
-        slot = _slot(place, name, where)
-        if not key:
-            place[slot] = value
-        elif isinstance(place, dict) and place.get(slot) is None:
-            place[slot] = {}
-        place = place[slot]
-
-
-def _slot(place: Any, name: str, where: str) -> str | int:
-    if isinstance(place, dict):
-        return name
-    if isinstance(place, list) and name.isdecimal() and int(name) < len(place):
-        return int(name)
-    accepted = f"items 0 to {len(place) - 1}" if isinstance(place, list) else "a key of a section"
-    raise SpecError(f"leads to {name!r} in what is no section", key=where, value=place, accepted=accepted)
 
 
 def to_yaml(experiment: Experiment) -> str:

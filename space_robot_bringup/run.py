@@ -75,10 +75,16 @@ def run_experiment(
     Raises:
         SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was flown.
     """
-    hooks = hooks or Hooks()
     if mode == "headless" and realtime is not None:
         raise SpecError("has no wall clock", key="--realtime", value=realtime, accepted="--mode graph or processes")
-    composition = compose(experiment)
+    return run_composition(compose(experiment), directory, mode=mode, realtime=realtime, hooks=hooks)
+
+
+def run_composition(
+    composition: Composition, directory: Path, *, mode: Mode, realtime: float | None = None, hooks: Hooks | None = None
+) -> RunResult:
+    """Fly what an experiment was composed to; everything else as ``run_experiment``."""
+    hooks = hooks or Hooks()
     for warning in composition.review().warnings:
         hooks.warn(warning)
     stopwatch = Stopwatch(hooks)

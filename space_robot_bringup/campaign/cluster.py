@@ -102,8 +102,8 @@ def _prepare(client: Client, first: Mapping[str, Any]) -> None:
         found: dict[str, dict[str, str]] = client.run(warm, first)
     except Exception as error:
         # Whatever a worker without our packages makes of the request.
-        what = f"its workers cannot fly this ({type(error).__name__}: {error})"
-        raise SpecError(what, key="--scheduler", accepted="workers with the same space-robot installed") from None
+        what = f"cannot fly this ({type(error).__name__}: {error})"
+        raise SpecError(what, key="workers", accepted="some with the same space-robot installed") from None
     for worker, there in found.items():
         different = [f"{name} {there.get(name)}" for name in here if there.get(name) != here[name]]
         if different:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
 
 from rich.console import Console
 
-from space_robot_bringup.campaign.cases import total
 from space_robot_bringup.campaign.fly import Keep
 from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult, run_campaign
 from space_robot_bringup.campaign.spec import Campaign
@@ -30,6 +30,7 @@ def fly(
     keep: Keep,
     console: Console,
     quiet: bool,
+    warn: Callable[[str], None],
 ) -> CampaignResult:
     """Fly a campaign with a progress bar; SIGINT and SIGTERM end it cleanly.
 
@@ -42,6 +43,7 @@ def fly(
         keep: whose bags to keep.
         console: for progress.
         quiet: no progress.
+        warn: told what the law warns of.
 
     Raises:
         SpaceRobotError: it cannot be flown; nothing was written.
@@ -52,7 +54,7 @@ def fly(
         raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
     if scheduler is None and must_compile() and not quiet:
         console.print("compiling the plant, once (about 20 s)")
-    cases = total(campaign)
+    cases = campaign.cases
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(console, cases, quiet=quiet, unit="run") as progress:
         return run_campaign(
             campaign,
@@ -61,5 +63,5 @@ def fly(
             scheduler=scheduler,
             resume=resume,
             keep=keep,
-            hooks=CampaignHooks(progress.begin, progress.reach, stop=lambda: stop.reason),
+            hooks=CampaignHooks(progress.begin, progress.reach, lambda: stop.reason, warn),
         )

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
 
 TEMPORARY = ".tmp"
 
@@ -32,8 +32,9 @@ def guarded(directory: Path) -> Iterator[None]:
     """
     try:
         yield
-    except LogError:
+    except SpaceRobotError:
         raise
-    except OSError as error:
-        reason = f"the campaign cannot be written: {error.strerror or error}"
-        raise LogError(reason, key=str(directory)) from None
+    except (OSError, ValueError) as error:
+        # A null byte in a name is a ValueError.
+        reason = getattr(error, "strerror", None) or str(error)
+        raise LogError(f"no campaign can be kept here: {reason}", key=str(directory)) from None

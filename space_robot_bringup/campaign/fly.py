@@ -57,9 +57,9 @@ def fly_case(data: Mapping[str, Any], name: str, keep: Keep) -> Flown:
         composition = compose(experiment_from(data, name))
         columns = _columns(composition, _fly(composition, sink), sink.ticks)
     except SpaceRobotError as error:
-        columns = _failure(f"error: {error}")
+        columns = failure(f"error: {error}")
     except Exception as error:
-        columns, trace = _failure(f"bug: {type(error).__name__}: {error}"), traceback.format_exc()
+        columns, trace = failure(f"bug: {type(error).__name__}: {error}"), traceback.format_exc()
     wanted = keep == "all" or (keep == "failed" and not columns["passed"])
     bag = _bag(composition, sink, name) if wanted and composition is not None else {}
     return Flown(columns, bag, trace, perf_counter() - began)
@@ -83,7 +83,8 @@ def _columns(composition: Composition, reason: str, ticks: Sequence[Tick]) -> di
     return outcome | (metrics.flat() if metrics is not None else {})
 
 
-def _failure(reason: str) -> dict[str, Any]:
+def failure(reason: str) -> dict[str, Any]:
+    """Columns of a case that nothing can be measured of."""
     return {"end_reason": reason, "completed": False, "passed": False, "failed": "completed", "ticks": 0}
 
 

@@ -5,18 +5,17 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from space_robot_bringup.campaign.cases import total
 from space_robot_bringup.campaign.files import TEMPORARY, guarded, write_whole
 from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.experiment import dump_yaml
 from space_robot_description.validation import parse_yaml, validate
-from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
 
 CAMPAIGN, ROWS, RUNS = "resolved.yaml", "rows.jsonl", "runs"
 
@@ -30,7 +29,7 @@ class Row:
         columns: its row of the table.
         wall_time: [s]; not in the table, which depends on no machine.
         lost: the machinery failed, not the run; flown again by a resumed campaign.
-        trace: traceback of a run that raised what it should not.
+        trace: traceback of a run that raised what it should not, or what is known of a lost one.
     """
 
     index: int
@@ -87,13 +86,17 @@ def check_directory(directory: Path, campaign: Campaign, *, resume: bool) -> Non
 
     Raises:
         SpecError: it holds something else, or this campaign and ``resume`` was not said.
+        LogError: there can be no such directory.
     """
     key, new = "--out", "a new or empty directory"
-    if directory.exists() and not directory.is_dir():
-        raise SpecError("is a file", key=key, value=str(directory), accepted=new)
-    if not (directory / CAMPAIGN).exists():
-        if directory.exists() and any(path.suffix != TEMPORARY for path in directory.iterdir()):
+    with guarded(directory):
+        there = directory.exists()
+        if there and not directory.is_dir():
+            raise SpecError("is a file", key=key, value=str(directory), accepted=new)
+        begun = (directory / CAMPAIGN).exists()
+        if not begun and there and any(path.suffix != TEMPORARY for path in directory.iterdir()):
             raise SpecError("not empty and not a campaign", key=key, value=str(directory), accepted=new)
+    if not begun:
         return
     if not resume:
         raise SpecError("holds a campaign", key=key, value=str(directory), accepted=f"--resume, or {new}")
@@ -122,14 +125,18 @@ def open_journal(directory: Path, campaign: Campaign, versions: Mapping[str, str
         handle = os.open(directory, os.O_RDONLY)
     try:
         _lock(handle, directory)
+        resolved = to_yaml(campaign).encode()
         with guarded(directory):
+            # First, so that a kill right here leaves a campaign that can be resumed.
+            if not (directory / CAMPAIGN).exists():
+                write_whole(directory / CAMPAIGN, resolved)
             stream = (directory / ROWS).open("a+", encoding="utf-8")
         with stream:
             rows = _read(stream, directory, versions)
-            if any(index >= total(campaign) for index in rows):
+            if any(index >= campaign.cases for index in rows):
                 raise SpecError("fewer than were flown", key="runs", value=campaign.runs, accepted="as many or more")
             with guarded(directory):
-                write_whole(directory / CAMPAIGN, to_yaml(campaign).encode())
+                write_whole(directory / CAMPAIGN, resolved)
                 if not stream.tell():
                     stream.write(json.dumps({"versions": dict(versions)}) + "\n")
                     stream.flush()
@@ -156,34 +163,42 @@ def _lock(handle: int, directory: Path) -> None:
 
 
 def finished_row(directory: Path, index: int) -> Row | None:
-    """What came of a case so far."""
+    """What came of a case so far.
+
+    Raises:
+        LogError: the rows are damaged.
+    """
     path = directory / ROWS
-    text = path.read_text(encoding="utf-8") if path.is_file() else ""
-    return _rows(_whole_lines(text)).get(index)
+    with guarded(path):
+        text = path.read_text(encoding="utf-8") if path.is_file() else ""
+        return _parse(text, path)[1].get(index)
 
 
 def _read(stream: IO[str], directory: Path, versions: Mapping[str, str]) -> dict[int, Row]:
     """The rows so far; what a kill left of a line is cut off."""
-    stream.seek(0)
-    text = stream.read()
-    lines = _whole_lines(text)
-    if sum(map(len, lines)) < len(text):
-        with guarded(directory):
-            stream.truncate(len("".join(lines).encode()))
-            stream.seek(0, os.SEEK_END)
-    begun = json.loads(lines[0])["versions"] if lines else versions
-    different = [f"{name} {begun.get(name)}" for name in versions if begun.get(name) != versions[name]]
+    with guarded(directory / ROWS):
+        stream.seek(0)
+        text = stream.read()
+        begun, rows = _parse(text, directory / ROWS)
+        stream.truncate(len(text[: text.rfind("\n") + 1].encode()))
+        stream.seek(0, os.SEEK_END)
+    different = [f"{name} {begun.get(name)}" for name in versions if begun and begun.get(name) != versions[name]]
     if different:
         what = f"was begun with {', '.join(different)}, so its rows would not be comparable"
         raise SpecError(what, key="--resume", value=str(directory), accepted="these versions, or a new directory")
-    return {index: row for index, row in _rows(lines).items() if not row.lost}
+    return {index: row for index, row in rows.items() if not row.lost}
 
 
-def _whole_lines(text: str) -> list[str]:
-    return [line for line in text.splitlines(keepends=True) if line.endswith("\n")]
-
-
-def _rows(lines: Sequence[str]) -> dict[int, Row]:
-    """The last word on each case; the first line tells the versions."""
-    rows = [Row(**json.loads(line)) for line in lines[1:]]
-    return {row.index: row for row in rows}
+def _parse(text: str, path: Path) -> tuple[dict[str, str], dict[int, Row]]:
+    """Versions, which are the first line, and the last word on each case; an unfinished line is left out."""
+    versions, rows = dict[str, str](), dict[int, Row]()
+    for number, line in enumerate(text.split("\n")[:-1]):
+        try:
+            if number == 0:
+                versions = dict(json.loads(line)["versions"])
+            else:
+                row = Row(**json.loads(line))
+                rows[row.index] = row
+        except (ValueError, KeyError, TypeError) as error:
+            raise LogError(f"line {number + 1} is damaged ({error})", key=str(path)) from None
+    return versions, rows

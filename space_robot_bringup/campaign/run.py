@@ -10,11 +10,11 @@ from time import perf_counter
 from typing import Any
 
 from space_robot_bringup.campaign import journal
-from space_robot_bringup.campaign.cases import Case, check_cases, make_case, total
+from space_robot_bringup.campaign.cases import Case, check_cases, make_case
 from space_robot_bringup.campaign.cluster import workers_at
 from space_robot_bringup.campaign.files import guarded, write_whole
-from space_robot_bringup.campaign.fleet import fly_cases
-from space_robot_bringup.campaign.fly import Flown, Keep
+from space_robot_bringup.campaign.fleet import Lost, fly_cases
+from space_robot_bringup.campaign.fly import Flown, Keep, failure
 from space_robot_bringup.campaign.journal import Journal, Row
 from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.campaign.summary import Group, summarise, summary_names
@@ -35,11 +35,13 @@ class CampaignHooks:
         on_ready: told when the workers are ready how many rows are there already.
         on_row: told each time how many there are now.
         stop: asked often; a reason ends the campaign.
+        warn: told before the first flight what the law warns of.
     """
 
     on_ready: Callable[[int], None] = lambda done: None
     on_row: Callable[[int], None] = lambda done: None
     stop: Callable[[], str | None] = lambda: None
+    warn: Callable[[str], None] = lambda warning: None
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,14 +99,16 @@ def run_campaign(
     hooks = hooks or CampaignHooks()
     journal.check_directory(directory, campaign, resume=resume)
     firsts = check_cases(campaign)
-    names = [_metrics(composition) for composition in firsts]
-    for metrics in names:
-        check_expectations(campaign.expect, summary_names(metrics))
+    # Points may differ in their robot, and so in their metrics.
+    metrics = list(dict.fromkeys(name for composition in firsts for name in _metrics(composition)))
+    check_expectations(campaign.expect, summary_names(metrics))
+    for warning in dict.fromkeys(warning for composition in firsts for warning in composition.review().warnings):
+        hooks.warn(warning)
     with (
         workers_at(scheduler, workers, make_case(campaign, 0).data) as client,
         journal.open_journal(directory, campaign, versions()) as book,
     ):
-        everything = total(campaign)
+        everything = campaign.cases
         hooks.on_ready(len(book.rows))
         began = perf_counter()
         left = (make_case(campaign, index) for index in range(everything) if index not in book.rows)
@@ -117,32 +121,30 @@ def run_campaign(
             reason = str(error)
         wall_time = perf_counter() - began
         done = len(book.rows)
-        groups = _conclude(campaign, book, names) if done == everything else ()
+        groups = _conclude(campaign, book, metrics) if done == everything else ()
     reason = "completed" if groups else reason or hooks.stop() or "interrupted"
-    return CampaignResult(directory, reason, done, everything, groups, _judge(campaign, groups), wall_time)
+    return CampaignResult(directory, reason, done, everything, groups, judge_groups(campaign, groups), wall_time)
 
 
-def _enter(book: Journal, case: Case, outcome: Flown | str) -> None:
-    if isinstance(outcome, str):
-        columns = {"end_reason": outcome, "completed": False, "passed": False, "failed": "completed", "ticks": 0}
-        row, bag = Row(case.index, case.columns() | columns, lost=True), {}
+def _enter(book: Journal, case: Case, outcome: Flown | Lost) -> None:
+    if isinstance(outcome, Lost):
+        columns = case.columns() | failure(outcome.reason)
+        book.append(Row(case.index, columns, lost=True, trace=outcome.detail), {})
     else:
         columns = case.columns() | dict(outcome.columns)
-        row, bag = Row(case.index, columns, outcome.wall_time, trace=outcome.trace), dict(outcome.bag)
-    book.append(row, bag)
+        book.append(Row(case.index, columns, outcome.wall_time, trace=outcome.trace), outcome.bag)
 
 
 def _metrics(composition: Composition) -> list[str]:
     return metric_names(composition.joint_names, base_translation=composition.nominal.base_mode == "free_flying")
 
 
-def _conclude(campaign: Campaign, book: Journal, names: Sequence[Sequence[str]]) -> tuple[Group, ...]:
+def _conclude(campaign: Campaign, book: Journal, metrics: Sequence[str]) -> tuple[Group, ...]:
     """Write table and summary."""
-    rows = [book.rows[index].columns for index in range(total(campaign))]
-    points = campaign.points
+    rows = [book.rows[index].columns for index in range(campaign.cases)]
     groups = tuple(
-        summarise(rows[at :: len(points)], point.labels, metrics, campaign.seed)
-        for at, (point, metrics) in enumerate(zip(points, names, strict=True))
+        summarise(rows[at :: campaign.points], campaign.point(at).labels, metrics, campaign.seed)
+        for at in range(campaign.points)
     )
     metadata = {"campaign": journal.to_yaml(campaign), "versions": json.dumps(versions(), sort_keys=True)}
     summary = {"title": campaign.title, "runs": campaign.runs, "groups": [group.to_dict() for group in groups]}
@@ -152,8 +154,8 @@ def _conclude(campaign: Campaign, book: Journal, names: Sequence[Sequence[str]])
     return groups
 
 
-def _judge(campaign: Campaign, groups: Sequence[Group]) -> tuple[Check, ...]:
-    """A campaign is fine if some run of every point completed and its own bounds hold at every point."""
+def judge_groups(campaign: Campaign, groups: Sequence[Group]) -> tuple[Check, ...]:
+    """The verdict: some run of every point of the grid completed, and the campaign's bounds hold at every point."""
     checks = []
     for group in groups:
         where = f"{describe(group.labels)}: " if group.labels else ""

@@ -65,9 +65,10 @@ def _spreads(group: Group) -> Table:
     for heading in ("n", "missing", "mean, 95 % interval", "p05", "median", "p95", "max", "worst case"):
         table.add_column(heading.replace(", ", ",\n").replace(" case", "\ncase"), justify="right")
     for name, s in group.spreads.items():
+        worst = "-" if s.worst is None else str(s.worst)
         mean = f"{_short(s.mean)} \\[{_short(s.mean_low)}, {_short(s.mean_high)}]"
         numbers = (_short(value) for value in (s.p05, s.median, s.p95, s.max))
-        table.add_row(escape(name), str(s.n), str(s.missing), mean, *numbers, str(s.worst))
+        table.add_row(escape(name), str(s.n), str(s.missing), mean, *numbers, worst)
     return table
 
 
@@ -90,5 +91,7 @@ def _rate(rate: Rate) -> str:
     return f"{rate.count} of {rate.n} = {100 * rate.rate:.1f} %, 95 % interval {interval} (Clopper-Pearson)"
 
 
-def _short(value: float) -> str:
+def _short(value: float | None) -> str:
+    if value is None:
+        return "-"
     return f"{value:.3g}" if value == 0.0 or abs(value) >= 1e-3 else f"{value:.0e}"

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any, Self
 
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
 from space_robot_bringup.campaign.draws import Draw
-from space_robot_bringup.experiment import Expectation, experiment_from, experiment_path, located, set_key
+from space_robot_bringup.experiment import Expectation, experiment_from, experiment_path, located
+from space_robot_bringup.keys import set_key
 from space_robot_description.load import load_robot
 from space_robot_description.share import config_dir, is_file, shipped
 from space_robot_description.spec import Strict
@@ -21,6 +22,8 @@ from space_robot_msgs_py.errors import InputFileError
 
 # Keys whose value may point at a file beside the campaign file.
 POINTING = ("robot", "reference")
+# All of them are checked before the first is flown, which takes a millisecond each, and held in memory at the end.
+MOST_CASES = 100_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,22 +65,28 @@ class Campaign(Strict):
                 raise ValueError(f"vary.{key} has no value")
             if key in self.disperse:
                 raise ValueError(f"{key} is both varied and dispersed")
+        if self.cases > MOST_CASES:
+            raise ValueError(f"{self.cases} cases; at most {MOST_CASES}")
         return self
 
     @property
-    def points(self) -> tuple[Point, ...]:
-        """All combinations of what is varied, the last key fastest; one without labels where nothing is."""
-        axes = [
-            list(values.items()) if isinstance(values, dict) else [(_label(value), value) for value in values]
-            for values in self.vary.values()
-        ]
-        return tuple(
-            Point(
-                {key: label for key, (label, _) in zip(self.vary, combination, strict=True)},
-                {key: value for key, (_, value) in zip(self.vary, combination, strict=True)},
-            )
-            for combination in product(*axes)
-        )
+    def points(self) -> int:
+        """Number of combinations of what is varied; 1 where nothing is."""
+        return prod(len(values) for values in self.vary.values())
+
+    @property
+    def cases(self) -> int:
+        """Number of runs of all points."""
+        return self.runs * self.points
+
+    def point(self, at: int) -> Point:
+        """One combination of what is varied; the last key varies fastest."""
+        labels, values = {}, {}
+        for key, choices in reversed(self.vary.items()):
+            at, which = divmod(at, len(choices))
+            labelled = list(choices.items()) if isinstance(choices, dict) else [(_label(c), c) for c in choices]
+            labels[key], values[key] = labelled[which]
+        return Point({key: labels[key] for key in self.vary}, {key: values[key] for key in self.vary})
 
 
 def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
@@ -92,9 +101,14 @@ def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
         SpecError: a key or value cannot be used.
     """
     path = campaign_path(name_or_path)
-    campaign = validate(Campaign, parse_yaml(path) | ({} if runs is None else {"runs": runs}), str(name_or_path))
-    campaign = _with_files(campaign, path.parent)
+    campaign = _with_files(read_campaign(name_or_path, runs), path.parent)
     return campaign.model_copy(update={"experiment": _experiment(campaign, path), "set": {}})
+
+
+def read_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
+    """The campaign as its file says it; see ``load_campaign``."""
+    data = parse_yaml(campaign_path(name_or_path))
+    return validate(Campaign, data if runs is None else data | {"runs": runs}, str(name_or_path))
 
 
 def campaign_path(name_or_path: str) -> Path:

@@ -46,7 +46,7 @@ class Rate:
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """How one metric spreads over the completed runs; in the metric's unit.
+    """How one metric spreads over the completed runs, in the metric's unit; numbers are None where no run has it.
 
     Attributes:
         n: runs that have the number.
@@ -60,19 +60,21 @@ class Spread:
 
     n: int
     missing: int
-    mean: float
-    mean_low: float
-    mean_high: float
-    median: float
-    p05: float
-    p95: float
-    min: float
-    max: float
-    worst: int
+    mean: float | None
+    mean_low: float | None
+    mean_high: float | None
+    median: float | None
+    p05: float | None
+    p95: float | None
+    min: float | None
+    max: float | None
+    worst: int | None
 
     @classmethod
     def of(cls, values: Vector, indices: Sequence[int], missing: int, seed: int) -> Spread:
-        """The spread of at least one value; the resampling is seeded."""
+        """The spread of the values that are there; the resampling is seeded."""
+        if not values.size:
+            return cls(0, missing, *(None,) * (len(STATISTICS) + 1))
         low, high = _interval_of_mean(values, seed)
         p05, median, p95 = (float(quantile) for quantile in np.quantile(values, [0.05, 0.5, 0.95]))
         worst = indices[int(np.argmax(values))]
@@ -90,7 +92,7 @@ class Group:
         completed: runs that ended by themselves.
         reasons: how the others ended, and how often.
         failed: indices of the cases that did not pass.
-        spreads: metric to its spread over the completed runs; absent where no run has the number.
+        spreads: metric to its spread over the completed runs; another robot has others.
     """
 
     labels: Mapping[str, Any]
@@ -132,10 +134,11 @@ def summarise(rows: Sequence[Mapping[str, Any]], labels: Mapping[str, Any], metr
     completed = [row for row in rows if row["completed"]]
     spreads = {}
     for metric in metrics:
-        held = [(row[metric], row["index"]) for row in completed if row.get(metric) is not None]
-        if held:
-            values, indices = zip(*held, strict=True)
-            spreads[metric] = Spread.of(np.array(values, dtype=float), indices, len(completed) - len(held), seed)
+        measured = [row for row in completed if metric in row]
+        held = [row for row in measured if row[metric] is not None]
+        if measured:
+            values, indices = np.array([row[metric] for row in held], dtype=float), [row["index"] for row in held]
+            spreads[metric] = Spread.of(values, indices, len(measured) - len(held), seed)
     return Group(
         labels=dict(labels),
         success=Rate.of(sum(row["passed"] for row in rows), len(rows)),

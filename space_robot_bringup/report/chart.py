@@ -9,7 +9,7 @@ from space_robot_bringup.reproduce.measures import FlownRun, reduce
 from space_robot_bringup.reproduce.reproduction import FlownFigure
 from space_robot_bringup.reproduce.spec import Chart
 
-HALF_BAR = 0.3
+HALF_BAR, GOLDEN = 0.3, 0.618033988749895
 
 
 def draw_chart(axis: Any, chart: Chart, flown: FlownFigure) -> None:
@@ -27,11 +27,16 @@ def draw_chart(axis: Any, chart: Chart, flown: FlownFigure) -> None:
         axis.text(0.99, 0.97, text, transform=axis.transAxes, ha="right", va="top", fontsize="small", color="#a00")
     if chart.x:
         axis.set_xscale(chart.x_scale)
-        axis.set_xlabel(chart.x_label or chart.x)
+        axis.set_xlabel(plain(chart.x_label or chart.x))
     else:
         groups = list(dict.fromkeys(run.group for run, _ in runs))
-        axis.set_xticks(range(len(groups)), [chart.legend.get(group, group) for group in groups])
+        axis.set_xticks(range(len(groups)), [plain(chart.legend.get(group, group)) for group in groups])
         axis.set_xlim(-0.5, len(groups) - 0.5)
+
+
+def plain(text: str) -> str:
+    """A text of the manifest is never a formula."""
+    return text.replace("$", r"\$")
 
 
 def _draw_group(axis: Any, chart: Chart, flown: FlownFigure, points: dict[float, list[FlownRun]]) -> int:
@@ -43,17 +48,23 @@ def _draw_group(axis: Any, chart: Chart, flown: FlownFigure, points: dict[float,
         numbers = [pair[1].number(chart.measure.quantity, flown.figure.diverged) for pair in pairs]
         without += numbers.count(None)
         there = [value for value in numbers if value is not None]
-        axis.plot([x] * len(there), there, "o", color=color, markersize=4, alpha=0.5, label="_")
+        places = [x] * len(there) if chart.x else [x + _aside(index) for index in range(len(there))]
+        axis.plot(places, there, "o", color=color, markersize=4, alpha=0.5, label="_")
         value = reduce(chart.measure, pairs, flown.figure.diverged).value
         if value is not None and (chart.measure.reduce or len(pairs) == 1):
             line[x] = value
     if chart.x:
         text = chart.legend.get(members[0][0].group, members[0][0].group)
-        axis.plot(list(line), list(line.values()), color=color, label=text or "_")
+        axis.plot(list(line), list(line.values()), color=color, label=plain(text) or "_")
     else:
         for x, value in line.items():
             axis.hlines(value, x - HALF_BAR, x + HALF_BAR, color=color, linewidth=2.0)
     return without
+
+
+def _aside(index: int) -> float:
+    """Where the dots of a column stand: spread evenly, the first in the middle, the same every time."""
+    return HALF_BAR * (2.0 * ((0.5 + index * GOLDEN) % 1.0) - 1.0)
 
 
 def _color(chart: Chart, flown: FlownFigure, group: str) -> str:

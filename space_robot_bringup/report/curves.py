@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import matplotlib as mpl
 
 from space_robot_bringup.reproduce.measures import FlownRun
 from space_robot_bringup.reproduce.reproduction import FlownFigure
-from space_robot_bringup.reproduce.spec import Drawing, Panel, Style
+from space_robot_bringup.reproduce.spec import Drawing, Panel
 from space_robot_msgs_py.interfaces import Vector
 
 # Okabe and Ito: told apart by everybody, also in print.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#6B5B95", "#7F7F7F")
 LINES = ("solid", "dashed", "dashdot", "dotted")
 # Larger groups are one cloud of thin curves with one entry in the legend.
-SINGLY = 8
+SINGLY, CROWDED = 8, 0.35
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -40,40 +40,23 @@ def curves_of(panel: Panel, flown: FlownFigure) -> list[Curve]:
     labelled: set[str] = set()
     for signal in panel.signals:
         for run in runs:
-            values = run[1].curves.get(signal)
-            if values is None or not values.size:
+            # A run that failed at once has no curve.
+            if signal not in run[1].curves:
                 continue
-            if _is_given(signal):
-                if values.tobytes() in seen:
-                    continue
-                seen.add(values.tobytes())
             curve = _curve(panel, flown, runs, run, signal)
+            if _is_given(signal):
+                if curve.values.tobytes() in seen:
+                    continue
+                seen.add(curve.values.tobytes())
             first = curve.label not in labelled
             labelled.add(curve.label)
-            curves.append(curve if first else _unlabelled(curve))
+            curves.append(curve if first else replace(curve, label=""))
     return curves
 
 
 def shown(drawing: Drawing, flown: FlownFigure) -> list[FlownRun]:
     """The runs a drawing shows."""
     return [pair for pair in flown.runs if drawing.of is None or pair[0].group in drawing.of]
-
-
-def color_of(drawing: Drawing, flown: FlownFigure, run: FlownRun) -> str:
-    """The color of a run: its own or its group's style, a shade of a sweep, or the next of the palette."""
-    planned = run[0]
-    for name in (planned.label, planned.group):
-        if (style := drawing.style.get(name)) and style.color:
-            return style.color
-    groups = list(flown.figure.runs)
-    members = [pair[0].label for pair in flown.runs if pair[0].group == planned.group]
-    sweep = flown.figure.runs[planned.group].sweep
-    if sweep and len(members) > 1:
-        share = members.index(planned.label) / (len(members) - 1)
-        return str(mpl.colors.to_hex(mpl.colormaps["viridis"](0.05 + 0.85 * share)))
-    before = sum(_entries(flown, group) for group in groups[: groups.index(planned.group)])
-    own = members.index(planned.label) if len(members) <= SINGLY else 0
-    return PALETTE[(before + own) % len(PALETTE)]
 
 
 def text_of(drawing: Drawing, run: FlownRun, members: int) -> str:
@@ -85,35 +68,59 @@ def text_of(drawing: Drawing, run: FlownRun, members: int) -> str:
     return planned.label if members <= SINGLY else f"{planned.group} ({members} runs)"
 
 
-def _entries(flown: FlownFigure, group: str) -> int:
-    """How many colors of the palette a group takes."""
-    members = sum(1 for run, _ in flown.runs if run.group == group)
-    return 0 if flown.figure.runs[group].sweep and members > 1 else members if members <= SINGLY else 1
-
-
 def _curve(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun, signal: str) -> Curve:
-    members = sum(1 for other, _ in runs if other.group == run[0].group)
-    by_signal = len({other.label for other, _ in runs}) == 1
-    index = panel.signals.index(signal)
-    style = panel.style.get(run[0].label) or panel.style.get(run[0].group) or Style()
-    own = panel.style.get(signal) or Style()
-    if _is_given(signal):
-        color, line, width = "black", "dotted", 1.2
-    else:
-        color = PALETTE[index % len(PALETTE)] if by_signal else color_of(panel, flown, run)
-        line = "solid" if by_signal else LINES[index % len(LINES)]
-        width = 1.4 if members <= SINGLY else 0.7
-    crowded = members > SINGLY and not _is_given(signal)
+    planned, flight = run
+    members = sum(1 for other, _ in runs if other.group == planned.group)
+    color, line, width = _look(panel, flown, runs, run, signal)
+    names = (signal,) if _is_given(signal) else (signal, planned.label, planned.group)
+    styles = [panel.style[name] for name in names if name in panel.style]
+    end = float("inf") if panel.before is None else panel.before
+    # Cut, so that what is not seen does not stretch the vertical axis.
+    inside = (flight.time >= panel.after) & (flight.time <= end)
     return Curve(
-        time=run[1].time,
-        values=run[1].curves[signal],
-        color=own.color or (color if _is_given(signal) else style.color or color),
-        line=own.line or (line if _is_given(signal) else style.line or line),
-        width=own.width or style.width or width,
-        alpha=0.35 if crowded else 1.0,
+        time=flight.time[inside],
+        values=flight.curves[signal][inside],
+        color=next((style.color for style in styles if style.color), color),
+        line=next((style.line for style in styles if style.line), line),
+        width=next((style.width for style in styles if style.width), width),
+        alpha=CROWDED if members > SINGLY and not _is_given(signal) else 1.0,
         label=_label(panel, runs, run, signal, members),
         held=signal.startswith("command."),
     )
+
+
+def _look(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun, signal: str) -> tuple[str, str, float]:
+    """Color, line and width where the manifest says none."""
+    if _is_given(signal):
+        return "black", "dotted", 1.2
+    index = [name for name in panel.signals if not _is_given(name)].index(signal)
+    if len({other.label for other, _ in runs}) == 1:
+        return PALETTE[index % len(PALETTE)], "solid", 1.4
+    members = sum(1 for other, _ in runs if other.group == run[0].group)
+    line = LINES[(index + _nth_sweep(flown, runs, run[0].group)) % len(LINES)]
+    return _color(flown, run), line, 1.4 if members <= SINGLY else 0.7
+
+
+def _color(flown: FlownFigure, run: FlownRun) -> str:
+    """A shade of a sweep, or the next of the palette: one for each run of a small group, one for a large one."""
+    groups = list(flown.figure.runs)
+    members = {group: [other.label for other, _ in flown.runs if other.group == group] for group in groups}
+    mine = members[run[0].group]
+    sweeps = [group for group in groups if flown.figure.runs[group].sweep and len(members[group]) > 1]
+    if run[0].group in sweeps:
+        share = mine.index(run[0].label) / (len(mine) - 1)
+        return str(mpl.colors.to_hex(mpl.colormaps["viridis"](0.05 + 0.85 * share)))
+    before = [group for group in groups[: groups.index(run[0].group)] if group not in sweeps]
+    taken = sum(len(members[group]) if len(members[group]) <= SINGLY else 1 for group in before)
+    own = mine.index(run[0].label) if len(mine) <= SINGLY else 0
+    return PALETTE[(taken + own) % len(PALETTE)]
+
+
+def _nth_sweep(flown: FlownFigure, runs: list[FlownRun], group: str) -> int:
+    """All sweeps have the same shades: what tells the second of a panel from the first is its line."""
+    shown_groups = dict.fromkeys(run.group for run, _ in runs)
+    sweeps = [label for label in shown_groups if flown.figure.runs[label].sweep]
+    return sweeps.index(group) if group in sweeps else 0
 
 
 def _label(panel: Panel, runs: list[FlownRun], run: FlownRun, signal: str, members: int) -> str:
@@ -130,7 +137,3 @@ def _label(panel: Panel, runs: list[FlownRun], run: FlownRun, signal: str, membe
 def _is_given(signal: str) -> bool:
     """What runs are compared with rather than what they did."""
     return signal.endswith(".reference") or signal.startswith("truth/")
-
-
-def _unlabelled(curve: Curve) -> Curve:
-    return Curve(curve.time, curve.values, curve.color, curve.line, curve.width, curve.alpha, "", curve.held)

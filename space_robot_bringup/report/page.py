@@ -7,7 +7,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from space_robot_bringup.reproduce.show import count, heading
+from space_robot_bringup.reproduce.show import count, heading, sample
 from space_robot_bringup.reproduce.summary import Data
 
 TEMPLATE = "page.html.j2"
@@ -32,6 +32,6 @@ def page(data: Data, folder: Path) -> str:
         for figure in data["figures"]
         if figure["picture"]
     }
-    filters = {"digits": lambda value, digits: f"{value:.{digits}g}", "heading": heading}
+    filters = {"digits": lambda value, digits: f"{value:.{digits}g}", "heading": heading, "sample": sample}
     environment.filters.update(filters)
     return environment.get_template(TEMPLATE).render(paper=data, pictures=pictures, count=count(data))

@@ -11,10 +11,10 @@ mpl.use("Agg")
 from matplotlib import pyplot as plt
 from matplotlib.colors import is_color_like
 
-from space_robot_bringup.report.chart import draw_chart
+from space_robot_bringup.report.chart import draw_chart, plain
 from space_robot_bringup.report.curves import Curve, curves_of
 from space_robot_bringup.reproduce.reproduction import FlownFigure
-from space_robot_bringup.reproduce.spec import Drawing, Figure, Panel
+from space_robot_bringup.reproduce.spec import Drawing, Figure
 from space_robot_msgs_py.errors import LogError, SpecError
 
 WIDTH, HEIGHT, ALONE = 8.0, 2.6, 4.0
@@ -65,7 +65,7 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
             _draw_panels(flown, axes[: len(panels), 0])
             for axis, chart in zip(axes[len(panels) :, 0], charts, strict=True):
                 draw_chart(axis, chart, flown)
-                _dress(axis, chart)
+                _dress(axis, chart, str(chart.measure.quantity))
             picture.savefig(path, dpi=130, format="png")
         except OSError as error:
             raise LogError(f"the picture cannot be written: {error.strerror or error}", key=str(path)) from None
@@ -76,10 +76,12 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
 
 def _draw_panels(flown: FlownFigure, axes: Any) -> None:
     for axis, panel in zip(axes, flown.figure.panels, strict=True):
-        for curve in curves_of(panel, flown):
-            _draw_curve(axis, curve)
+        for index, curve in enumerate(curves_of(panel, flown)):
+            # What the manifest names first lies on top.
+            _draw_curve(axis, curve, 3.0 / (1 + index) + 1.0)
+        axis.margins(x=0.0)
         axis.set_xlim(left=panel.after or None, right=panel.before)
-        _dress(axis, panel)
+        _dress(axis, panel, ", ".join(panel.signals))
     for axis, panel in zip(axes[:-1], flown.figure.panels[:-1], strict=True):
         last = flown.figure.panels[-1]
         if (panel.after, panel.before) == (last.after, last.before):
@@ -91,7 +93,7 @@ def _draw_panels(flown: FlownFigure, axes: Any) -> None:
         axes[-1].set_xlabel("time [s]")
 
 
-def _draw_curve(axis: Any, curve: Curve) -> None:
+def _draw_curve(axis: Any, curve: Curve, zorder: float) -> None:
     axis.plot(
         curve.time,
         curve.values,
@@ -99,17 +101,17 @@ def _draw_curve(axis: Any, curve: Curve) -> None:
         linestyle=curve.line,
         linewidth=curve.width,
         alpha=curve.alpha,
-        label=curve.label or "_",
+        label=plain(curve.label) or "_",
         drawstyle="steps-post" if curve.held else "default",
-        zorder=3 if curve.label else 2,
+        zorder=zorder,
     )
 
 
-def _dress(axis: Any, drawing: Panel | Drawing) -> None:
+def _dress(axis: Any, drawing: Drawing, shown: str) -> None:
     axis.set_yscale(drawing.y_scale)
     if drawing.limits is not None:
         axis.set_ylim(*drawing.limits)
-    axis.set_title(drawing.label, loc="left", fontsize="medium")
+    axis.set_title(plain(drawing.label or shown), loc="left", fontsize="medium")
     handles, labels = axis.get_legend_handles_labels()
     if len(handles) > 1 or (handles and drawing.legend):
         columns = 1 + (len(handles) - 1) // LONGEST_LEGEND

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from space_robot_bringup.report.page import page
 from space_robot_bringup.report.paper_figure import draw_figure
-from space_robot_bringup.reproduce.plan import Plan
+from space_robot_bringup.reproduce.plan import Plan, picture_name
 from space_robot_bringup.reproduce.reproduction import CLAIMS, FlownFigure
 from space_robot_bringup.reproduce.summary import Data, summary
 from space_robot_msgs_py.errors import LogError
@@ -33,20 +32,13 @@ def write_report(plan: Plan, flown: Sequence[FlownFigure], directory: Path) -> D
     """
     pictures: dict[str, str] = {}
     for figure in flown:
-        file = f"{picture_name(figure.name)}.png"
+        file = picture_name(figure.name)
         if draw_figure(figure, directory / file):
             pictures[figure.name] = file
     data = summary(plan, flown, pictures)
     write_whole(directory / PAGE, page(data, directory))
     write_whole(directory / CLAIMS, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
     return data
-
-
-def picture_name(figure: str) -> str:
-    """File name of a figure without suffix: ``fig08`` for figure 8."""
-    if figure.isdigit():
-        return f"fig{int(figure):02d}"
-    return re.sub(r"[^\w.-]+", "-", figure)
 
 
 def write_whole(path: Path, text: str) -> None:

@@ -7,17 +7,7 @@ from collections.abc import Iterable, Sequence
 from space_robot_bringup.reproduce.claims import check_words
 from space_robot_bringup.reproduce.measures import select
 from space_robot_bringup.reproduce.plan import Plan, PlannedRun, Runs
-from space_robot_bringup.reproduce.spec import (
-    Chart,
-    Claim,
-    Drawing,
-    Figure,
-    Measure,
-    Number,
-    Panel,
-    Table,
-    TimingMeasure,
-)
+from space_robot_bringup.reproduce.spec import Chart, Claim, Drawing, Figure, Measure, Number, Panel, Table
 from space_robot_bringup.reproduce.vocabulary import Vocabulary
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
@@ -32,7 +22,7 @@ def check_plan(plan: Plan, figures: Iterable[str]) -> None:
     """
     vocabulary = Vocabulary()
     for name in figures:
-        key = f"{plan.name} figures.{name}"
+        key = f"{plan.argument} figures.{name}"
         for label, runs in plan.runs[name].items():
             for run in runs:
                 vocabulary.learn(run, f"{key}.runs.{label}")
@@ -44,6 +34,7 @@ class _FigureCheck:
         self._figure, self._runs, self._vocabulary = figure, runs, vocabulary
 
     def check(self, key: str) -> None:
+        """Check everything; ``key`` is the path of the figure."""
         figure = self._figure
         self._check_labels(key)
         for index, panel in enumerate(figure.panels):
@@ -69,9 +60,8 @@ class _FigureCheck:
         for index, signal in enumerate(panel.signals):
             self._vocabulary.check_signal(signal, runs, f"{key}.signals.{index}")
         if panel.before is not None and panel.before <= panel.after:
-            raise SpecError(
-                "not later than after", key=f"{key}.before", value=panel.before, accepted=f"> {panel.after:g}"
-            )
+            later = f"> {panel.after:g}"
+            raise SpecError("not later than after", key=f"{key}.before", value=panel.before, accepted=later)
 
     def _check_chart(self, chart: Chart, key: str) -> None:
         runs = self._check_drawing(chart, (), key)
@@ -81,6 +71,8 @@ class _FigureCheck:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 accepted = "a key that every group sets or sweeps to numbers"
                 raise SpecError(f"{run.label} has no such number", key=f"{key}.x", value=chart.x, accepted=accepted)
+            if chart.x_scale == "log" and value <= 0:
+                raise SpecError("has no place on this scale", key=f"{key}.x_scale", value=value, accepted="numbers > 0")
 
     def _check_drawing(self, drawing: Drawing, signals: Sequence[str], key: str) -> list[PlannedRun]:
         runs = self._of(drawing.of, f"{key}.of")
@@ -88,9 +80,10 @@ class _FigureCheck:
         for part in ("legend", "style"):
             for name in getattr(drawing, part):
                 _known("group, run or signal of this drawing", name, names, f"{key}.{part}")
-        low, high = drawing.limits or (0.0, 1.0)
-        if low >= high:
-            raise SpecError("not an interval", key=f"{key}.limits", value=drawing.limits, accepted="[low, high]")
+        low, high = drawing.limits or (1.0, 2.0)
+        if low >= high or (drawing.y_scale == "log" and low <= 0.0):
+            accepted = "[low, high], above 0 on a log scale"
+            raise SpecError("not an interval", key=f"{key}.limits", value=drawing.limits, accepted=accepted)
         return runs
 
     def _check_table(self, table: Table, key: str) -> None:
@@ -105,12 +98,7 @@ class _FigureCheck:
 
     def _check_claim(self, claim: Claim, key: str) -> None:
         for name, measure in claim.measures.items():
-            where = f"{key}.measures.{name}"
-            if isinstance(measure, TimingMeasure):
-                timed = self._figure.timing.of if self._figure.timing else ()
-                _known("group of the timing table", measure.of, timed, f"{where}.of")
-            else:
-                self._check_measure(measure, where)
+            self._check_measure(measure, f"{key}.measures.{name}")
         check_words(claim, key)
 
     def _check_measure(self, measure: Measure, key: str) -> None:
@@ -121,6 +109,11 @@ class _FigureCheck:
         _check_reducible(measure, runs, key)
 
     def _check_number(self, number: Number, runs: Sequence[PlannedRun], key: str) -> None:
+        if number.timing is not None:
+            timed = self._figure.timing.of if self._figure.timing else ()
+            for run in runs:
+                _known("group of the timing table", run.group, timed, f"{key}.timing")
+            return
         if number.metric is not None:
             self._vocabulary.check_metric(number.metric, runs, f"{key}.metric")
             return

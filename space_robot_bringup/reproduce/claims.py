@@ -5,11 +5,11 @@ from __future__ import annotations
 import string
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from keyword import iskeyword
 
-from space_robot_bringup.reproduce.expression import Condition
+from space_robot_bringup.reproduce.expression import FUNCTIONS, Condition
 from space_robot_bringup.reproduce.measures import FlownRun, Measured, reduce, select
-from space_robot_bringup.reproduce.spec import Claim, Figure, Measure
-from space_robot_bringup.reproduce.timing import CycleTimes
+from space_robot_bringup.reproduce.spec import Claim, Figure
 from space_robot_msgs_py.errors import SpecError
 
 UNDECIDED = "undecided"
@@ -52,22 +52,23 @@ def check_words(claim: Claim, key: str) -> None:
     if not claim.measures:
         return
     for name in claim.measures:
-        if not name.isidentifier() or name in EXTRA:
-            raise SpecError("not a usable name", key=f"{key}.measures", value=name, accepted="letters, digits, _")
+        if not name.isidentifier() or iskeyword(name) or name in (*EXTRA, *FUNCTIONS):
+            accepted = "letters, digits and _, no word of a condition"
+            raise SpecError("not a usable name", key=f"{key}.measures", value=name, accepted=accepted)
     Condition(claim.holds_if, tuple(claim.measures), f"{key}.holds_if")
     names = [*claim.measures, *EXTRA]
     try:
         fields = [name for _, name, _, _ in string.Formatter().parse(claim.found) if name is not None]
-        if unknown := next((name for name in fields if name not in names), None):
-            raise SpecError("no such measure", key=f"{key}.found", value=unknown, accepted=", ".join(names))
+        if unknown := [name for name in fields if name not in names]:
+            raise SpecError("no such measure", key=f"{key}.found", value=unknown[0], accepted=", ".join(names))
         claim.found.format_map({**dict.fromkeys(claim.measures, 1.0), "n": 1, "seeds": "1-4"})
-    except (ValueError, IndexError) as error:
-        if isinstance(error, SpecError):
-            raise
+    except SpecError:
+        raise
+    except (ValueError, LookupError, AttributeError, TypeError) as error:
         raise SpecError(f"not a format string: {error}", key=f"{key}.found", value=claim.found) from None
 
 
-def judge(claim: Claim, figure: Figure, runs: Sequence[FlownRun], times: Mapping[str, CycleTimes]) -> Judgement:
+def judge(claim: Claim, figure: Figure, runs: Sequence[FlownRun]) -> Judgement:
     """Measure a claim on the flown runs of its figure and decide it."""
     if claim.verdict == "not checkable":
         return Judgement(claim, claim.verdict, "", {}, 0, ())
@@ -75,12 +76,8 @@ def judge(claim: Claim, figure: Figure, runs: Sequence[FlownRun], times: Mapping
     used: dict[str, int] = {}
     flown = {run.label: (run, flight) for run, flight in runs}
     for name, measure in claim.measures.items():
-        if isinstance(measure, Measure):
-            chosen = [flown[run.label] for run in select(measure, [run for run, _ in runs])]
-            measured[name] = reduce(measure, chosen, figure.diverged)
-        else:
-            chosen = [pair for pair in runs if pair[0].group == measure.of]
-            measured[name] = _cycle_time(measure.timing, times.get(measure.of))
+        chosen = [flown[run.label] for run in select(measure, [run for run, _ in runs])]
+        measured[name] = reduce(measure, chosen, figure.diverged)
         used |= {run.flight.name: run.flight.experiment.seed for run, _ in chosen}
     seeds = tuple(sorted(set(used.values())))
     verdict, found = _decide(claim, measured, len(used), seeds)
@@ -109,9 +106,3 @@ def _decide(claim: Claim, measured: Mapping[str, Measured], runs: int, seeds: Se
     except ArithmeticError as error:
         return UNDECIDED, f"{found} ({claim.holds_if}: {error})"
     return ("holds" if holds else "does not hold"), found
-
-
-def _cycle_time(statistic: str, times: CycleTimes | None) -> Measured:
-    if times is None:
-        return Measured(None, 1, why="not timed: its run has no complete log")
-    return Measured(float(getattr(times, statistic)), 1)

@@ -4,41 +4,52 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
 from space_robot_bringup.progress import Progress
-from space_robot_bringup.reproduce.plan import choose_figures, load_plan
+from space_robot_bringup.reproduce.markdown import markdown
+from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan
 from space_robot_bringup.reproduce.reproduction import FlownFigure, prepare, reproduce
 from space_robot_bringup.reproduce.show import show
 from space_robot_bringup.reproduce.workers import cores
 from space_robot_bringup.stopping import StopFlag
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_sim.kernel.cache import must_compile
 
 MOST_WORKERS = 256
 
 
-def run_command(
-    paper: str,
-    chosen: Sequence[str],
-    out: Path | None,
-    workers: int | None,
-    *,
-    as_json: bool,
-    console: Console,
-    err: Console,
-) -> bool:
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What was asked for.
+
+    Attributes:
+        paper: name or manifest file.
+        figures: which; none: all.
+        directory: of the report; None: ``out/<paper>``.
+        workers: processes; None: one per core.
+        markdown: where the claims go as a table; None: nowhere.
+        as_json: print claims.json and nothing else on stdout.
+    """
+
+    paper: str
+    figures: tuple[str, ...] = ()
+    directory: Path | None = None
+    workers: int | None = None
+    markdown: Path | None = None
+    as_json: bool = False
+
+
+def carry_out(order: Order, out: Console, err: Console) -> bool:
     """Check, fly, draw, judge and print.
 
     Args:
-        paper: name or manifest file.
-        chosen: figures; none: all.
-        out: directory of the report; None: ``out/<paper>``.
-        workers: processes; None: one per core.
-        as_json: print claims.json and nothing else on stdout.
-        console: stdout.
+        order: what to do.
+        out: stdout.
         err: stderr, for progress.
 
     Returns:
@@ -47,36 +58,45 @@ def run_command(
     Raises:
         SpaceRobotError: something is wrong with the input; nothing was written.
     """
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise SpecError("not a usable number", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
+    if order.workers is not None and not 1 <= order.workers <= MOST_WORKERS:
+        raise SpecError("not a usable number", key="--workers", value=order.workers, accepted=f"1 to {MOST_WORKERS}")
     try:
         from space_robot_bringup.report.paper_figure import check_colors
-        from space_robot_bringup.report.paper_report import PAGE, write_report
+        from space_robot_bringup.report.paper_report import PAGE, write_report, write_whole
     except ImportError as error:
-        raise SpecError(
-            f"reproduce needs matplotlib and jinja2 ({error})", accepted="install space-robot[viz]"
-        ) from None
-    plan = load_plan(paper)
-    figures = choose_figures(plan.manifest, chosen)
+        needs = f"reproduce needs matplotlib and jinja2 ({error})"
+        raise SpecError(needs, accepted="install space-robot[viz]") from None
+    plan = load_plan(order.paper)
+    figures = choose_figures(plan.manifest, order.figures)
     for name in figures:
-        check_colors(plan.manifest.figures[name], f"{plan.name} figures.{name}")
-    directory = out or Path("out") / plan.name
+        check_colors(plan.manifest.figures[name], f"{plan.argument} figures.{name}")
+    if order.markdown is not None and not order.markdown.resolve().parent.is_dir():
+        raise InputFileError("no such folder", key="--markdown", value=str(order.markdown))
+    directory = order.directory or Path("out") / plan.name
+    if must_compile() and not order.as_json:
+        err.print("compiling the plant, once (about 20 s)")
     prepare(plan, figures, directory)
-    flights = len(plan.flights(figures))
-    flown: list[FlownFigure] | None
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
-        with Progress(err, flights, quiet=as_json, unit="run") as progress:
-            count = workers or cores()
-            flown = reproduce(plan, figures, directory, workers=count, on_done=progress.reach, stop=lambda: stop.reason)
+        flown = _fly(plan, figures, directory, order, err, lambda: stop.reason)
         if flown is None:
-            err.print(
-                f"{stop.reason}: nothing was judged; finished bags are in {directory}", markup=False, soft_wrap=True
-            )
+            line = f"{stop.reason}: nothing was judged; finished bags are in {directory}"
+            err.print(line, markup=False, soft_wrap=True)
             return False
         data = write_report(plan, flown, directory)
-    if as_json:
+        if order.markdown is not None:
+            write_whole(order.markdown, markdown(data))
+    if order.as_json:
         print(json.dumps(data, allow_nan=False))
     else:
-        show(console, data)
-        console.print(f"page: {directory / PAGE}", markup=False, soft_wrap=True)
+        show(out, data)
+        out.print(f"page: {directory / PAGE}", markup=False, soft_wrap=True)
     return bool(data["passed"])
+
+
+def _fly(
+    plan: Plan, figures: Sequence[str], directory: Path, order: Order, err: Console, stop: Callable[[], str | None]
+) -> list[FlownFigure] | None:
+    flights = len(plan.flights(figures))
+    with Progress(err, flights, quiet=order.as_json, unit="run") as progress:
+        workers = order.workers or cores()
+        return reproduce(plan, figures, directory, workers=workers, on_done=progress.reach, stop=stop)

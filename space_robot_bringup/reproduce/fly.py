@@ -9,13 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from space_robot_bringup.compose import compose
+from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.reproduce.measures import Flight, take
 from space_robot_bringup.reproduce.signals import Signals
 from space_robot_bringup.reproduce.spec import Quantity
 from space_robot_bringup.reproduce.workers import stop_reason
-from space_robot_bringup.run import Hooks, RunResult, run_experiment
+from space_robot_bringup.run import Hooks, RunResult, run_composition
 from space_robot_bringup.verdict import PLANT_BOUNDS
 from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.log_reader import LogReader
@@ -54,24 +54,24 @@ def fly(job: Job) -> Flight:
     """
     warnings: list[str] = []
     hooks = Hooks(stop=stop_reason, warn=warnings.append)
-    experiment = load_experiment(job.argument, job.overrides)
+    composition = compose(load_experiment(job.argument, job.overrides))
     try:
-        result = run_experiment(experiment, job.directory, mode="headless", hooks=hooks)
+        result = run_composition(composition, job.directory, mode="headless", hooks=hooks)
+        flight = _look(job, composition, result)
     except NonFiniteError as error:
         # The log is complete, but its numbers overflow when they are judged.
-        return Flight(str(error), warnings=tuple(warnings), bag=job.directory.exists())
-    flight = _look(job, result, tuple(warnings))
-    if job.keep == "none" or (job.keep == "failed" and flight.completed):
+        flight = Flight(str(error))
+    keep = job.keep == "all" or (job.keep == "failed" and not flight.completed)
+    if not keep:
         shutil.rmtree(job.directory)
-        return replace(flight, bag=False)
-    return flight
+    return replace(flight, warnings=tuple(warnings), bag=keep)
 
 
-def _look(job: Job, result: RunResult, warnings: tuple[str, ...]) -> Flight:
-    arrays = LogReader(job.directory).arrays()
+def _look(job: Job, composition: Composition, result: RunResult) -> Flight:
     if result.metrics is None:
-        return Flight(result.end_reason, warnings=warnings, bag=True)
-    signals = Signals(arrays, compose(load_experiment(job.argument, job.overrides)))
+        return Flight(result.end_reason)
+    arrays = LogReader(job.directory).arrays()
+    signals = Signals(arrays, composition)
     stride = max(1, arrays.time.size // DRAWN_TICKS)
     drawn = np.unique(np.append(np.arange(0, arrays.time.size, stride), arrays.time.size - 1))
     return Flight(
@@ -82,8 +82,6 @@ def _look(job: Job, result: RunResult, warnings: tuple[str, ...]) -> Flight:
         taken={asked: take(asked, arrays.time, signals.of(asked.signal)) for asked in job.quantities},
         time=arrays.time[drawn],
         curves={name: signals.of(name)[drawn] for name in job.curves},
-        warnings=warnings,
-        bag=True,
     )
 
 

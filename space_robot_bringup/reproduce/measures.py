@@ -13,6 +13,8 @@ from space_robot_msgs_py.interfaces import Vector
 
 # Metrics that every run has, also one that failed.
 OUTCOMES = ("completed", "diverged")
+# Wall time of one update of the law [us], of the groups of a timing table: of this machine, so only its order counts.
+CYCLE_TIMES = ("cycle_time.mean", "cycle_time.median", "cycle_time.p99")
 TAKES: dict[str, Callable[[Vector], float]] = {
     "final": lambda x: float(x[-1]),
     "max": lambda x: float(x.max()),
@@ -47,6 +49,7 @@ class Flight:
         curves: (K,) signals that are drawn, by name.
         warnings: what the law said before the flight.
         bag: its log was kept.
+        cycle_times: by the names of CYCLE_TIMES, where they were asked for.
     """
 
     end_reason: str
@@ -58,6 +61,7 @@ class Flight:
     curves: dict[str, Vector] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     bag: bool = False
+    cycle_times: dict[str, float] = field(default_factory=dict)
 
     @property
     def completed(self) -> bool:
@@ -76,6 +80,8 @@ class Flight:
             return float(self.diverged(bounds))
         if not self.completed:
             return None
+        if quantity.metric in CYCLE_TIMES:
+            return self.cycle_times.get(quantity.metric)
         return self.metrics[quantity.metric] if quantity.metric else self.taken[quantity]
 
 

@@ -98,6 +98,7 @@ def load_plan(paper: str) -> Plan:
     """
     path = manifest_path(paper)
     manifest = read_manifest(path, paper)
+    _check_pictures(manifest, paper)
     planner = _Planner(path.parent)
     runs = {
         name: {
@@ -125,10 +126,9 @@ def manifest_path(paper: str) -> Path:
     if is_file(inside := config_dir() / "papers" / f"{paper}.yaml"):
         return inside
     names = shipped("papers")
-    known = nearest(paper, names) or ", ".join(names) or "none is shipped"
-    raise InputFileError(
-        "no such manifest or shipped paper", key="paper", value=paper, accepted=f"a YAML file, or one of: {known}"
-    )
+    known = nearest(paper, names) or ", ".join(names)
+    accepted = f"a YAML file, or one of: {known}" if known else "a YAML file (no paper is shipped)"
+    raise InputFileError("no such manifest or shipped paper", key="paper", value=paper, accepted=accepted)
 
 
 def choose_figures(manifest: Manifest, chosen: Iterable[str]) -> list[str]:
@@ -144,6 +144,21 @@ def choose_figures(manifest: Manifest, chosen: Iterable[str]) -> list[str]:
             accepted = nearest(name, names) or ", ".join(names)
             raise SpecError("no such figure", key="--figure", value=name, accepted=accepted)
     return [name for name in manifest.figures if not wanted or name in wanted]
+
+
+def picture_name(figure: str) -> str:
+    """File name of a figure's picture: ``fig08.png`` for figure 8, else its own name."""
+    stem = f"fig{int(figure):02d}" if figure.isdecimal() else re.sub(r"[^\w.-]+", "-", figure)
+    return f"{stem}.png"
+
+
+def _check_pictures(manifest: Manifest, where: str) -> None:
+    pictures: dict[str, str] = {}
+    for name in manifest.figures:
+        other = pictures.setdefault(picture_name(name), name)
+        if other != name:
+            accepted = "names that differ in letters and digits"
+            raise SpecError(f"its picture is that of {other!r}", key=f"{where} figures", value=name, accepted=accepted)
 
 
 class _Planner:
@@ -165,14 +180,15 @@ class _Planner:
             values = {**group.set, **varied}
             flight = self._flight(group.experiment, values, key)
             seed = {"seed": flight.experiment.seed}
-            runs.append(PlannedRun(_label(label, varied), label, {**seed, **values}, flight))
+            told_apart = {path: value for path, value in varied.items() if len(axes[path]) > 1}
+            runs.append(PlannedRun(_label(label, told_apart), label, {**seed, **values}, flight))
         return tuple(runs)
 
     def _flight(self, name: str, values: Mapping[str, Any], key: str) -> PlannedFlight:
         beside = self._folder / name
         argument = str(beside) if is_file(beside) else name
-        # JSON is YAML: the value reads back as it stands in the manifest.
-        overrides = tuple(f"{path}={json.dumps(value, allow_nan=False)}" for path, value in values.items())
+        # JSON is YAML: the value reads back as it stands in the manifest (a date as its text).
+        overrides = tuple(f"{path}={json.dumps(value, default=str)}" for path, value in values.items())
         try:
             experiment = load_experiment(argument, overrides)
         except SpaceRobotError as error:
@@ -195,7 +211,7 @@ class _Planner:
 def _label(group: str, varied: Mapping[str, Any]) -> str:
     if len(varied) == 1:
         return f"{group} {next(iter(varied.values()))}"
-    return " ".join([group, ", ".join(f"{_last(key)} {value}" for key, value in varied.items())]).strip()
+    return f"{group} {', '.join(f'{_last(key)} {value}' for key, value in varied.items())}".strip()
 
 
 def _last(key: str) -> str:

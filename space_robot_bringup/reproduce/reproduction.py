@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from space_robot_bringup.reproduce.check import check_plan
@@ -11,10 +11,10 @@ from space_robot_bringup.reproduce.claims import Judgement, judge
 from space_robot_bringup.reproduce.fly import Job, Keep, fly
 from space_robot_bringup.reproduce.measures import Flight, FlownRun, select
 from space_robot_bringup.reproduce.plan import Plan, PlannedFlight, PlannedRun
-from space_robot_bringup.reproduce.spec import KEEP_ALL_UP_TO, Figure, Measure, Number, Quantity
+from space_robot_bringup.reproduce.spec import KEEP_ALL_UP_TO, Figure, Number, Quantity
 from space_robot_bringup.reproduce.timing import CycleTimes, time_law
 from space_robot_bringup.reproduce.workers import Task, Workers
-from space_robot_msgs_py.errors import InputFileError
+from space_robot_msgs_py.errors import InputFileError, LogError
 
 RUNS, CLAIMS = "runs", "claims.json"
 
@@ -53,8 +53,12 @@ def prepare(plan: Plan, figures: Sequence[str], directory: Path) -> None:
         InputFileError: the directory holds something else.
     """
     check_plan(plan, figures)
-    ours = any((directory / name).exists() for name in (RUNS, CLAIMS))
-    if directory.exists() and not (directory.is_dir() and (ours or not any(directory.iterdir()))):
+    try:
+        ours = any((directory / name).exists() for name in (RUNS, CLAIMS))
+        free = not directory.exists() or (directory.is_dir() and (ours or not any(directory.iterdir())))
+    except OSError as error:
+        raise InputFileError(f"cannot be read: {error.strerror}", key="--out", value=str(directory)) from None
+    if not free:
         accepted = "a directory, new, empty or of an earlier reproduction"
         raise InputFileError("holds something else", key="--out", value=str(directory), accepted=accepted)
 
@@ -85,6 +89,10 @@ def reproduce(
         SpaceRobotError: a log cannot be written, or a worker died.
     """
     planned = plan.flights(figures)
+    try:
+        (directory / RUNS).mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise LogError(f"cannot be made: {error}", key="--out", value=str(directory)) from None
     jobs = [_job(plan, figures, flight, directory) for flight in planned.values()]
     with Workers(min(workers, len(jobs)), stop) as pool:
         flown = pool.run([(fly, (job,)) for job in jobs], on_done)
@@ -103,9 +111,14 @@ def reproduce(
 
 def _figure(plan: Plan, name: str, flights: dict[str, Flight], times: dict[str, CycleTimes]) -> FlownFigure:
     figure = plan.manifest.figures[name]
-    runs = tuple((run, flights[run.flight.name]) for group in plan.runs[name].values() for run in group)
-    judgements = tuple(judge(claim, figure, runs, times) for claim in figure.claims)
-    return FlownFigure(name, figure, runs, times, judgements)
+    runs = []
+    for run in (run for group in plan.runs[name].values() for run in group):
+        flight = flights[run.flight.name]
+        if run.group in times:
+            flight = replace(flight, cycle_times=times[run.group].metrics())
+        runs.append((run, flight))
+    judgements = tuple(judge(claim, figure, runs) for claim in figure.claims)
+    return FlownFigure(name, figure, tuple(runs), times, judgements)
 
 
 def _job(plan: Plan, figures: Sequence[str], flight: PlannedFlight, directory: Path) -> Job:
@@ -140,7 +153,7 @@ def _numbers(figure: Figure, runs: Sequence[PlannedRun], flight: PlannedFlight) 
             yield from table.columns.values()
     for claim in figure.claims:
         for measure in claim.measures.values():
-            if isinstance(measure, Measure) and any(run.flight is flight for run in select(measure, runs)):
+            if any(run.flight is flight for run in select(measure, runs)):
                 yield measure
 
 

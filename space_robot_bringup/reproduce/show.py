@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from rich.console import Console
 
 from space_robot_bringup.reproduce.summary import Data
@@ -24,17 +26,28 @@ def show(console: Console, data: Data) -> None:
         for group, times in figure["timing"].items():
             numbers = f"mean {times['mean']:.1f}, median {times['median']:.1f}, 99 % below {times['p99']:.1f} us"
             console.print(f"  {group}: {numbers} per cycle, {times['repeats']} repeats", markup=False, soft_wrap=True)
-        for run in figure["runs"]:
-            if run["label"] in figure["failed"]:
-                line = f"  failed: {run['label']}: {run['end_reason']}"
-                console.print(line, style="red", markup=False, soft_wrap=True)
+        _troubles(console, figure)
     word, style = ("as documented", "bold green") if data["passed"] else ("NOT as documented", "bold red")
     console.print(f"\n{count(data)}: {word}", style=style, markup=False, soft_wrap=True)
 
 
+def _troubles(console: Console, figure: Data) -> None:
+    warned = [run for run in figure["runs"] if run["warnings"]]
+    if warned:
+        first = f"{warned[0]['label']}: {warned[0]['warnings'][0]}"
+        line = f"  warned of {len(warned)} of {len(figure['runs'])} runs before their flight, first {first}"
+        console.print(line, style="yellow", markup=False, soft_wrap=True)
+    for run in figure["runs"]:
+        if run["label"] in figure["failed"]:
+            line = f"  failed: {run['label']}: {run['end_reason']}"
+            console.print(line, style="red", markup=False, soft_wrap=True)
+
+
 def heading(figure: Data) -> str:
-    """What a figure is called: its number where it is one, its own name otherwise."""
-    name = f"Figure {figure['name']}" if figure["name"].isdigit() else figure["name"]
+    """What a figure is called: ``Figure 8`` for 8, ``Table 2`` for table2, its own name otherwise."""
+    table = re.fullmatch(r"table[ -]?(\d+)", figure["name"])
+    number = f"Figure {figure['name']}" if figure["name"].isdecimal() else figure["name"]
+    name = f"Table {table[1]}" if table else number
     beyond = " (beyond the paper)" if figure["kind"] == "beyond" else ""
     return f"{name}: {figure['title']}{beyond}"
 
@@ -42,21 +55,28 @@ def heading(figure: Data) -> str:
 def count(data: Data) -> str:
     """How many claims have which verdict, from how many runs."""
     verdicts = [claim["verdict"] for figure in data["figures"] for claim in figure["claims"]]
+    if not verdicts:
+        return f"no claims, {data['runs']} runs"
     parts = [f"{verdicts.count(verdict)} {verdict}" for verdict in STYLES if verdict in verdicts]
-    return f"{len(verdicts)} claims ({', '.join(parts) or 'none'}) from {data['runs']} runs"
+    return f"{len(verdicts)} claims ({', '.join(parts)}) from {data['runs']} runs"
+
+
+def sample(claim: Data) -> str:
+    """How many runs a claim is about, and which seeds they have."""
+    runs = "1 run" if claim["runs"] == 1 else f"{claim['runs']} runs"
+    return f"{runs}, seed {claim['seeds']}"
 
 
 def _claim(console: Console, claim: Data) -> None:
     console.print(f"  {claim['paper']}", style="italic", markup=False, soft_wrap=True)
     console.print(f"    {claim['verdict']}", style=STYLES[claim["verdict"]], end="", markup=False)
     if claim["found"]:
-        seeds = f", seed {claim['seeds']}" if claim["seeds"] else ""
-        text = f": {claim['found']} ({claim['runs']} runs{seeds})"
+        text = f": {claim['found']} ({sample(claim)})"
         console.print(text, end="", markup=False, soft_wrap=True)
     console.print()
     for measure in claim["measures"].values():
         if measure["without"]:
-            line = f"    {len(measure['without'])} of {measure['runs']} runs lack {measure['meaning']}"
+            line = f"    {len(measure['without'])} of {measure['runs']} runs lack {measure['quantity']}"
             console.print(f"{line}; missing: {measure['missing']}", markup=False, soft_wrap=True)
     if claim["because"]:
         console.print(f"    {claim['because']}", style="dim", markup=False, soft_wrap=True)

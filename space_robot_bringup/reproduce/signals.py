@@ -84,7 +84,7 @@ class Signals:
             return self._parameter(*name.split("/"))
         source, _, rest = name.partition(".")
         if source in ("command", "controller", "plant"):
-            return self._element(getattr(self, f"_{source}"), rest)
+            return self._element(source, rest)
         return self._axis(*name.rsplit(".", 1))
 
     @cached_property
@@ -110,22 +110,15 @@ class Signals:
             return np.degrees([to_rpy(row[3:7])[index - 3] for row in q])
         return np.degrees(q[:, index + 1])
 
-    @property
-    def _command(self) -> dict[str, Vector]:
+    def _element(self, source: str, name: str) -> Vector:
         wrench = self.arrays.wrench
-        return {"force": wrench[:, :3], "torque": wrench[:, 3:], "effort": self.arrays.effort_command}
-
-    @property
-    def _controller(self) -> dict[str, Vector]:
-        return self.arrays.controller
-
-    @property
-    def _plant(self) -> dict[str, Vector]:
-        return self.arrays.plant
-
-    def _element(self, blocks: dict[str, Vector], name: str) -> Vector:
+        blocks = {
+            "command": {"force": wrench[:, :3], "torque": wrench[:, 3:], "effort": self.arrays.effort_command},
+            "controller": self.arrays.controller,
+            "plant": self.arrays.plant,
+        }
         label, bracket, index = name.removesuffix("]").partition("[")
-        block = blocks[label]
+        block = blocks[source][label]
         return block[:, int(index)] if bracket else norms(block)
 
     def _parameter(self, kind: str, body: str, parameter: str) -> Vector:

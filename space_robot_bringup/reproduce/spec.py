@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
 
 from space_robot_description.spec import Strict
 
@@ -16,13 +17,14 @@ Scale = Literal["linear", "log", "symlog"]
 Texts = Annotated[tuple[str, ...], Field(min_length=1)]
 # More bags than this fill a disk sooner than anybody looks at them.
 KEEP_ALL_UP_TO = 40
+MOST_RUNS = 10_000
 
 
 class SeedRange(Strict):
     """Many seeds in a row."""
 
     first: NonNegativeInt = 0
-    count: PositiveInt
+    count: Annotated[int, Field(ge=1, le=MOST_RUNS)]
 
 
 class RunGroup(Strict):
@@ -52,6 +54,15 @@ class RunGroup(Strict):
             raise ValueError(f"{min(twice)} is said twice")
         if len(set(self.seed_list)) != len(self.seed_list):
             raise ValueError("a seed stands there twice")
+        if wrong := [key for key in (*self.set, *self.sweep) if not key.strip() or "=" in key]:
+            raise ValueError(f"{wrong[0]!r} is no dotted key")
+        return self
+
+    @model_validator(mode="after")
+    def _countable(self) -> Self:
+        runs = prod(map(len, self.sweep.values())) * max(1, len(self.seed_list))
+        if runs > MOST_RUNS:
+            raise ValueError(f"at most {MOST_RUNS} runs, not {runs}")
         return self
 
 
@@ -79,6 +90,9 @@ class Number(Strict):
     metric: str | None = Field(default=None, description="a metric of the run, or completed, or diverged")
     signal: str | None = Field(default=None, description="a signal, of which `take` takes a number")
     take: Takes | None = None
+    timing: Literal["mean", "median", "p99"] | None = Field(
+        default=None, description="time of one control cycle [us], of a group of the timing table"
+    )
     after: NonNegativeFloat = Field(default=0.0, description="the signal from this time on [s]")
     before: PositiveFloat | None = Field(default=None, description="the signal up to this time [s]")
     reduce: Reductions | None = Field(
@@ -90,12 +104,12 @@ class Number(Strict):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        if (self.metric is None) == (self.signal is None):
-            raise ValueError("say metric or signal")
+        if [self.metric, self.signal, self.timing].count(None) != 2:
+            raise ValueError("say metric, signal or timing")
         if (self.signal is None) != (self.take is None):
             raise ValueError("signal and take belong together")
-        if self.metric is not None and (self.after or self.before is not None):
-            raise ValueError("after and before cut signals, not metrics")
+        if self.signal is None and (self.after or self.before is not None):
+            raise ValueError("after and before cut signals")
         if self.before is not None and self.before <= self.after:
             raise ValueError("before must be later than after")
         return self
@@ -103,7 +117,8 @@ class Number(Strict):
     @property
     def quantity(self) -> Quantity:
         """What is asked of each run."""
-        return Quantity(self.metric or "", self.signal or "", self.take or "", self.after, self.before)
+        metric = f"cycle_time.{self.timing}" if self.timing else self.metric or ""
+        return Quantity(metric, self.signal or "", self.take or "", self.after, self.before)
 
 
 class Measure(Number):
@@ -118,18 +133,11 @@ class Measure(Number):
         return (self.of,) if isinstance(self.of, str) else self.of
 
 
-class TimingMeasure(Strict):
-    """A computation time of the figure's timing table [us]: of this machine, so only for claims on its order."""
-
-    timing: Literal["mean", "median", "p99"]
-    of: str = Field(description="group of the timing table")
-
-
 class Claim(Strict):
     """What the paper says, how it is checked, and what was found when the manifest was written."""
 
     paper: str = Field(min_length=1, description="the paper's words")
-    measures: dict[str, Measure | TimingMeasure] = Field(default_factory=dict, description="name -> number")
+    measures: dict[str, Measure] = Field(default_factory=dict, description="name -> number")
     holds_if: str = Field(default="", description="a condition over the measures")
     found: str = Field(default="", description="what was measured: a format string over the measures, n and seeds")
     verdict: Verdict = Field(description="the documented verdict; another one is an error")
@@ -164,7 +172,7 @@ class Drawing(Strict):
     """What panels and charts have in common."""
 
     of: Texts | None = Field(default=None, description="groups; default: all of the figure")
-    label: str = Field(default="", description="of the vertical axis, with its unit")
+    label: str = Field(default="", description="of the vertical axis, with its unit; default: what is drawn")
     legend: dict[str, str] = Field(default_factory=dict, description="group or signal -> text; empty text: no entry")
     style: dict[str, Style] = Field(default_factory=dict, description="group or signal -> color, or a style")
     y_scale: Scale = "linear"

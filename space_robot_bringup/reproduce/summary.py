@@ -76,20 +76,16 @@ def _claim(judgement: Judgement) -> Data:
     }
 
 
-def _measure(measure: Any, measured: Measured) -> Data:
-    if isinstance(measure, Measure):
-        where = "".join(f", {key} = {value}" for key, value in measure.where.items())
-        meaning = f"{measure.quantity} of {', '.join(measure.groups)}{where}"
-        if measure.reduce:
-            meaning = f"{measure.reduce}: {meaning}"
-    else:
-        meaning = f"{measure.timing} time of a cycle of {measure.of} [us]"
+def _measure(measure: Measure, measured: Measured) -> Data:
+    where = "".join(f", {key} = {value}" for key, value in measure.where.items())
+    meaning = f"{measure.quantity} of {', '.join(measure.groups)}{where}"
     return {
-        "meaning": meaning,
+        "quantity": str(measure.quantity),
+        "meaning": f"{measure.reduce}: {meaning}" if measure.reduce else meaning,
         "value": measured.value,
         "runs": measured.runs,
         "without": list(measured.without),
-        "missing": getattr(measure, "missing", "refuse"),
+        "missing": measure.missing,
         "why": measured.why,
     }
 

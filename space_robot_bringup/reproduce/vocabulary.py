@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import Experiment
 from space_robot_bringup.metrics import metric_names
 from space_robot_bringup.reproduce.measures import OUTCOMES
 from space_robot_bringup.reproduce.plan import PlannedRun
@@ -15,32 +17,35 @@ from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 LAW_SIGNALS = ("controller.", "estimate/", "mismatch/")
 
 
+@dataclass(frozen=True, slots=True)
+class _Words:
+    metrics: tuple[str, ...]
+    signals: tuple[str, ...]
+    law_tells: bool
+
+
 class Vocabulary:
     """Metrics and signals of each flight, by composing it and asking for its first state."""
 
     def __init__(self) -> None:
-        self._metrics: dict[str, list[str]] = {}
-        self._signals: dict[str, list[str]] = {}
-        self._silent: set[str] = set()
+        self._of_flight: dict[str, _Words] = {}
+        self._of_content: dict[str, _Words] = {}
 
     def learn(self, run: PlannedRun, key: str) -> None:
-        """Compose a run, once per flight.
+        """Compose a run, unless one that differs only by the noise of its sensors has been.
 
         Raises:
             SpecError: it cannot be flown.
         """
-        flight = run.flight
-        if flight.name in self._metrics:
-            return
-        try:
-            composition = compose(flight.experiment)
-            self._signals[flight.name], telling = signal_names(composition)
-        except SpaceRobotError as error:
-            raise SpecError(f"{run.label} cannot be flown: {error}", key=key) from None
-        flying = composition.nominal.base_mode == "free_flying"
-        self._metrics[flight.name] = [*OUTCOMES, *metric_names(composition.joint_names, base_translation=flying)]
-        if not telling:
-            self._silent.add(flight.name)
+        experiment = run.flight.experiment
+        drawn = experiment.plant.dispersion or experiment.nominal.dispersion
+        content = experiment.model_dump_json(exclude=None if drawn else {"seed"})
+        if content not in self._of_content:
+            try:
+                self._of_content[content] = _words(experiment)
+            except SpaceRobotError as error:
+                raise SpecError(f"{run.label} cannot be flown: {error}", key=key) from None
+        self._of_flight[run.flight.name] = self._of_content[content]
 
     def check_metric(self, name: str, runs: Sequence[PlannedRun], key: str) -> None:
         """Refuse a metric that one of the runs does not have.
@@ -49,7 +54,7 @@ class Vocabulary:
             SpecError: with the nearest names.
         """
         for run in runs:
-            _check("metric", name, self._metrics[run.flight.name], run, key)
+            _check("metric", name, self._of_flight[run.flight.name].metrics, run, key)
 
     def check_signal(self, name: str, runs: Sequence[PlannedRun], key: str) -> None:
         """Refuse a signal that one of the runs does not have.
@@ -58,11 +63,20 @@ class Vocabulary:
             SpecError: with the nearest names.
         """
         for run in runs:
-            if run.flight.name not in self._silent or not name.startswith(LAW_SIGNALS):
-                _check("signal", name, self._signals[run.flight.name], run, key)
+            words = self._of_flight[run.flight.name]
+            if words.law_tells or not name.startswith(LAW_SIGNALS):
+                _check("signal", name, words.signals, run, key)
 
 
-def _check(kind: str, name: str, names: Sequence[str], run: PlannedRun, key: str) -> None:
+def _words(experiment: Experiment) -> _Words:
+    composition = compose(experiment)
+    flying = composition.nominal.base_mode == "free_flying"
+    metrics = metric_names(composition.joint_names, base_translation=flying)
+    signals, law_tells = signal_names(composition)
+    return _Words((*OUTCOMES, *metrics), tuple(signals), law_tells)
+
+
+def _check(kind: str, name: str, names: Collection[str], run: PlannedRun, key: str) -> None:
     if name not in names:
         # Every element of every block would bury the message.
         accepted = nearest(name, names) or ", ".join(n for n in names if "[" not in n and n.count("/") < 2)

@@ -19,7 +19,7 @@ Result = TypeVar("Result")
 Task = tuple[Callable[..., Result], tuple[Any, ...]]
 
 # One process per run uses the cores; numeric libraries with threads of their own would fight over them.
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 ASK_EVERY = 0.2
 
 
@@ -48,20 +48,25 @@ class Workers:
         Raises:
             SpaceRobotError: a worker process died.
         """
-        with _single_threaded():
-            futures = [self._pool.submit(function, *arguments) for function, arguments in tasks]
-            pending: set[Future[Result]] = set(futures)
-            while pending:
-                _, pending = wait(pending, ASK_EVERY, FIRST_COMPLETED)
-                if self._stop() is not None:
-                    self._word.close()
-                    self._pool.shutdown(cancel_futures=True)
-                    return None
-                on_done(len(futures) - len(pending))
         try:
-            return [future.result() for future in futures]
+            with _single_threaded():
+                futures = [self._pool.submit(function, *arguments) for function, arguments in tasks]
+                finished = self._wait(futures, on_done)
+            return [future.result() for future in futures] if finished else None
         except BrokenProcessPool:
             raise SpaceRobotError("a worker process died", key="--workers", accepted="fewer need less memory") from None
+
+    def _wait(self, futures: Sequence[Future[Result]], on_done: Callable[[int], None]) -> bool:
+        """Whether everything was done; if there was a reason to stop, nobody works any more on return."""
+        pending: set[Future[Result]] = set(futures)
+        while pending:
+            _, pending = wait(pending, ASK_EVERY, FIRST_COMPLETED)
+            if self._stop() is not None:
+                self._word.close()
+                self._pool.shutdown(cancel_futures=True)
+                return False
+            on_done(len(futures) - len(pending))
+        return True
 
     def __enter__(self) -> Workers:
         return self

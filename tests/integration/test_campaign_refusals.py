@@ -24,6 +24,11 @@ REFUSED: dict[str, tuple[str, tuple[str, ...]]] = {
     "an unknown key": ("dispers: {}", ("dispers", "disperse")),
     "an unknown experiment": ("experiment: liu2023/fig8", ("liu2023/fig8", "liu2023/fig08")),
     "no runs": ("runs: 0", ("runs", "0")),
+    "runs without end": ("runs: 1000000000", ("1000000000", "at most")),
+    "a grid without end": (
+        "vary: {" + ", ".join(f"plant.sensors.{n}.noise: [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]" for n in range(9)) + "}",
+        ("cases", "at most"),
+    ),
     "half a run": ("runs: 2.5", ("runs", "2.5")),
     "not YAML": ("disperse: {", ("line",)),
     "a key no experiment has": ("disperse: {initial.atitude_deg: {choice: [1]}}", ("atitude_deg", "attitude_deg")),
@@ -125,10 +130,12 @@ def test_a_file_that_cannot_be_flown(space_robot: Tool, tmp_path: Path, change: 
         (("campaign.yaml", "--scheduler", "nonsense"), ("--scheduler", "nonsense")),
         (("campaign.yaml", "--scheduler", "tcp://127.0.0.1:9"), ("--scheduler", "tcp://127.0.0.1:9", "reached")),
         (("campaign.yaml", "--out", "campaign.yaml"), ("--out", "file")),
+        (("campaign.yaml", "--out", "x" * 5000), ("xxx", "too long")),
+        (("campaign.yaml", "--out", "a\0b"), ("null byte",)),
         (("campaign.yaml", "--out", "precious"), ("--out", "precious", "empty")),
         (("campaign.yaml", "--out", "precious", "--resume"), ("--out", "precious", "empty")),
     ],
-    ids=lambda value: " ".join(value[1:]) or "no such file",
+    ids=lambda value: " ".join(value[1:])[:40].replace("\0", "") or "no such file",
 )
 def test_an_option_that_cannot_be_used(
     space_robot: Tool,
@@ -185,7 +192,7 @@ def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     """Rows are comparable only if everything that can change their bits is the same; a torn line is cut off."""
     from space_robot_bringup.campaign.journal import Row, finished_row, open_journal
     from space_robot_bringup.campaign.spec import load_campaign
-    from space_robot_msgs_py.errors import SpecError
+    from space_robot_msgs_py.errors import LogError, SpecError
 
     write(tmp_path)
     spec, out = load_campaign(str(tmp_path / "campaign.yaml")), tmp_path / "out"
@@ -204,4 +211,7 @@ def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     with open_journal(out, spec, {"pin": "1"}) as book:
         assert book.rows.keys() == {0}
     assert (out / "rows.jsonl").read_text() == rows
+    (out / "rows.jsonl").write_text(rows.replace("index", "indax"))
+    with pytest.raises(LogError, match="line 2 is damaged"), open_journal(out, spec, {"pin": "1"}):
+        pass
     assert (out / "runs" / "000000" / "a.mcap").read_bytes() == b"bag"

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.cli import main
+from tests.integration.tool import Tool, refused
 
 FIG08 = """
 title: test
@@ -31,37 +30,6 @@ urdf: two.urdf
 base_mode: free_floating
 actuators: {joints: {effort: 1.0}, base_torque: {kind: ideal, limit: [1, 1, 1]}}
 """
-
-
-Tool = Callable[..., subprocess.CompletedProcess[str]]
-
-
-@pytest.fixture
-def space_robot(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """The tool's own entry point in an empty folder; in this process, because importing it takes longer than flying."""
-
-    def call(*arguments: str) -> subprocess.CompletedProcess[str]:
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["space-robot", *arguments])
-        with pytest.raises(SystemExit) as end:
-            main()
-        said = capsys.readouterr()
-        assert isinstance(end.value.code, int)
-        return subprocess.CompletedProcess(arguments, end.value.code, said.out, said.err)
-
-    return call
-
-
-def refused(done: subprocess.CompletedProcess[str], *words: str) -> None:
-    """One line on stderr that has these words, exit 2, no traceback."""
-    assert done.returncode == 2, (done.returncode, done.stderr)
-    assert "Traceback" not in done.stderr
-    lines = [line for line in done.stderr.splitlines() if line.strip()]
-    assert len(lines) == 1, done.stderr
-    for word in words:
-        assert word in lines[0], lines[0]
 
 
 def test_run_prints_a_verdict_and_json_says_the_same(space_robot: Tool, tmp_path: Path) -> None:

@@ -9,17 +9,28 @@ from pathlib import Path
 
 import pytest
 
+from space_robot_bringup.campaign.cases import check_cases, make_case
+from space_robot_bringup.campaign.fly import fly_case
+from space_robot_bringup.campaign.spec import load_campaign
 from space_robot_bringup.cli import main
 from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import experiment_from, load_experiment
+from space_robot_bringup.experiment import dump_yaml, experiment_from, load_experiment
 from space_robot_bringup.run import run_experiment
 from space_robot_description.validation import parse_yaml_text
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
 EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
-# Whole experiments, sections of one, and robot files (which tests/unit/test_description_docs.py loads).
-KINDS = {"experiment": "control_period", "sections": "reference", "robot": "base_mode", "model": "payload"}
+# Manifests, campaigns, experiments, sections of those, robot files (which tests/unit/test_description_docs.py loads).
+KINDS = {
+    "manifest": "figures",
+    "campaign": "runs",
+    "dispersions": "disperse",
+    "experiment": "control_period",
+    "sections": "reference",
+    "robot": "base_mode",
+    "model": "payload",
+}
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -39,9 +50,10 @@ def yaml_blocks(kind: str) -> list[str]:
 
 
 def test_every_block_is_of_a_kind_that_is_tried() -> None:
-    """No YAML on a page is left untried: each is an experiment, sections of one, a robot file or a model section."""
+    """No YAML on a page is left untried: each is a file, or sections of one, of a kind that is tried."""
     tried = sum(len(yaml_blocks(kind)) for kind in KINDS)
     assert tried == sum(len(blocks(page, "yaml")) for page in PAGES)
+    assert yaml_blocks("manifest")
     assert yaml_blocks("experiment")
     assert yaml_blocks("sections")
 
@@ -62,6 +74,20 @@ def test_sections_fit_an_experiment(text: str) -> None:
     assert compose(experiment).experiment.reference.kind in text
 
 
+def test_campaigns_and_their_sections_can_be_flown(tmp_path: Path) -> None:
+    """A campaign copied from a page, and sections copied into it, have cases that compose; one of them flies."""
+    (whole,) = yaml_blocks("campaign")
+    parts = yaml_blocks("dispersions")
+    assert parts
+    for text in (whole, *parts):
+        path = tmp_path / "copied.yaml"
+        data = parse_yaml_text(whole, "docs") | {"runs": 3, "expect": {}} | parse_yaml_text(text, "docs")
+        path.write_text(dump_yaml(data), encoding="utf-8")
+        assert check_cases(load_campaign(str(path)))
+    flown = fly_case(make_case(load_campaign(str(path)), 0).data, "copied", "none")
+    assert flown.columns["completed"], flown.columns
+
+
 def test_overrides_on_the_pages_work() -> None:
     """Every ``--set KEY=VALUE`` on a page changes the page's first experiment."""
     overrides = [found for text in PAGES.values() for found in re.findall(r"--set ([\w.]+=[\w.]+)", text)]
@@ -80,9 +106,15 @@ def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
         exec(compile(text, "docs", "exec"), {})
 
 
+def shell_lines(page: str) -> list[str]:
+    """The commands of a page's shell blocks, without remarks."""
+    return [line.split("#")[0].strip() for text in blocks(page, "sh") for line in text.splitlines()]
+
+
 def commands() -> list[str]:
-    """Every ``space-robot ...`` that a page or an example shows with its arguments."""
+    """Every ``space-robot ...`` that a page or an example shows with arguments; those of campaigns need an order."""
     shown = [found for text in PAGES.values() for found in re.findall(r"`(space-robot [a-z][^`\n]*)`", text)]
+    shown += [line for page in PAGES if page != "campaigns.md" for line in shell_lines(page)]
     return sorted(
         {*shown, *(line for text in EXAMPLES.values() for line in re.findall(r"^ +(space-robot .*)$", text, re.M))}
     )
@@ -95,6 +127,7 @@ def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command:
     for name in ("examples", "config"):
         (tmp_path / name).symlink_to(ROOT / name)
     (tmp_path / "my_robot.yaml").write_text(yaml_blocks("robot")[0], encoding="utf-8")
+    (tmp_path / "my_paper.yaml").write_text(yaml_blocks("manifest")[0], encoding="utf-8")
     words = ["liu2023/fig08" if word == "FILE" else word for word in words]
     if words[0] == "run":
         words += ["--out", "bag"]
@@ -103,3 +136,17 @@ def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command:
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 0
+
+
+def test_commands_of_the_campaign_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly, go on, and fly one case again; schedulers on other machines are tried in test_campaign.py."""
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("campaigns.md") if line.startswith("space-robot") and "tcp:" not in line]
+    assert len(lines) == 3
+    for line in lines:
+        words = shlex.split(line.replace("FILE", "fig08_dispersed"))
+        words += ["--runs", "3"] if "campaign" in words else ["--mode", "headless"]
+        monkeypatch.setattr(sys, "argv", words)
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 0, line

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup.campaign.cases import check_cases, make_case, total
+from space_robot_bringup.campaign.cases import check_cases, make_case
 from space_robot_bringup.campaign.draws import Draw
 from space_robot_bringup.campaign.journal import to_yaml
 from space_robot_bringup.campaign.spec import Campaign, load_campaign
-from space_robot_bringup.experiment import load_experiment, set_key
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.keys import set_key
 from space_robot_control.rotations import from_rpy, log, matrix
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
@@ -67,7 +68,7 @@ def test_cases_depend_on_nothing_but_the_campaign_and_their_index() -> None:
     turned = campaign(disperse=dict(reversed(DISPERSE.items())))
     further = campaign(disperse=DISPERSE | {"initial.position": {"direction": {"low": 0, "high": 1}}}, runs=50)
     other = campaign(seed=4)
-    for index in range(total(spec)):
+    for index in range(spec.cases):
         here = drawn(spec, index)
         assert drawn(turned, index) == here
         assert {key: drawn(further, index)[key] for key in here} == here
@@ -80,7 +81,7 @@ def test_points_of_a_grid_get_the_same_draws() -> None:
     """Every combination is flown with the same draws and seeds, and more runs renumber no case."""
     vary = {"plant.hold": ["last", "zero"], "controller": {"soft": {"gains": {"bandwidth": 0.5}}, "hard": {}}}
     spec = campaign(vary=vary, runs=3)
-    cases = [make_case(spec, index) for index in range(total(spec))]
+    cases = [make_case(spec, index) for index in range(spec.cases)]
     assert len(cases) == 12
     for run in range(3):
         four = cases[4 * run : 4 * run + 4]

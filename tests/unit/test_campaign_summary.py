@@ -11,6 +11,8 @@ import pytest
 pytest.importorskip("scipy")
 pq = pytest.importorskip("pyarrow.parquet")
 
+from space_robot_bringup.campaign.run import judge_groups  # noqa: E402
+from space_robot_bringup.campaign.spec import Campaign  # noqa: E402
 from space_robot_bringup.campaign.summary import Rate, Spread, summarise, summary_names  # noqa: E402
 from space_robot_bringup.campaign.table import parquet  # noqa: E402
 
@@ -49,10 +51,13 @@ def test_equal_values_and_single_ones_have_a_point_for_an_interval() -> None:
 def test_missing_numbers_and_ended_runs_are_counted_and_not_averaged() -> None:
     """Numbers come from completed runs that have them; the others are counted, and no failed run is a success."""
     rows = [row(0, 1.0), row(1, None), row(2, 3.0, passed=False), row(3, 99.0, completed=False, passed=False)]
-    group = summarise(rows, {}, ["error", "never"], seed=0)
+    rows = [one | {"never": None} for one in rows]
+    group = summarise(rows, {}, ["error", "never", "of another robot"], seed=0)
     spread = group.spreads["error"]
     assert (spread.n, spread.missing, spread.mean, spread.max, spread.worst) == (2, 1, 2.0, 3.0, 2)
-    assert group.spreads.keys() == {"error"}
+    assert group.spreads.keys() == {"error", "never"}
+    never = group.spreads["never"]
+    assert (never.n, never.missing, never.mean, never.mean_low, never.worst) == (0, 3, None, None, None)
     assert (group.success.count, group.success.n, group.completed.count) == (2, 4, 3)
     assert group.reasons == {"controller: enough": 1}
     assert group.failed == (2, 3)
@@ -89,3 +94,14 @@ def test_a_table_keeps_every_number_and_says_where_there_is_none() -> None:
     assert table.column("error").to_pylist() == [third, None, None]
     assert table.column("key").to_pylist() == ["a", "2.5", None]
     assert parquet(rows, {"campaign": "text"}) == parquet(iter(rows), {"campaign": "text"})
+
+
+def test_bounds_of_a_campaign_hold_at_every_point_of_its_grid() -> None:
+    """Each point is judged by itself and named; a point of which no run completed fails whatever was expected."""
+    bounds = {"error.mean": {"max": 1.5}, "success_rate": {"min": 0.5}}
+    spec = Campaign.model_validate({"experiment": "any", "runs": 1, "expect": bounds})
+    good = summarise([row(0, 1.0), row(2, 2.0)], {"plant.hold": "last"}, ["error"], seed=0)
+    bad = summarise([row(1, 9.0, completed=False, passed=False)], {"plant.hold": "zero"}, ["error"], seed=0)
+    assert all(check.passed for check in judge_groups(spec, [good]))
+    missed = [check.name for check in judge_groups(spec, [good, bad]) if not check.passed]
+    assert missed == [f"plant.hold=zero: {name}" for name in ("completed runs", "error.mean", "success_rate")]

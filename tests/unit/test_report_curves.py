@@ -1,0 +1,94 @@
+"""What tells curves apart: runs, groups, sweeps and signals have looks of their own, and what is asked for wins."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.reproduce.measures import Flight
+from space_robot_bringup.reproduce.plan import PlannedFlight, PlannedRun
+from space_robot_bringup.reproduce.reproduction import FlownFigure
+from space_robot_bringup.reproduce.spec import Figure, Panel
+
+pytest.importorskip("matplotlib")
+from space_robot_bringup.report.chart import plain
+from space_robot_bringup.report.curves import PALETTE, SINGLY, Curve, curves_of
+
+TIME = np.arange(5.0)
+EXPERIMENT = load_experiment("liu2023/fig08")
+
+
+def flown(**groups: int | str) -> FlownFigure:
+    """A figure with so many runs per group; ``"sweep"`` is a sweep of three. Each run has x, and y.reference."""
+    data: dict[str, Any] = {"title": "t", "runs": {}}
+    runs = []
+    for group, kind in groups.items():
+        data["runs"][group] = {"experiment": "e"} | ({"sweep": {"k": [1, 2, 3]}} if kind == "sweep" else {})
+        count = 3 if kind == "sweep" else int(kind)
+        for index in range(count):
+            label = f"{group} {index}" if count > 1 else group
+            curves = {"x": TIME * (index + 1), "y.reference": TIME}
+            planned = PlannedFlight(label, "e", (), EXPERIMENT)
+            runs.append((PlannedRun(label, group, {}, planned), Flight("completed", time=TIME, curves=curves)))
+    return FlownFigure("8", Figure.model_validate(data), tuple(runs), {}, ())
+
+
+def curves(figure: FlownFigure, **keys: Any) -> list[Curve]:
+    return curves_of(Panel.model_validate({"signals": ["x"]} | keys), figure)
+
+
+def test_runs_of_small_groups_have_colors_of_their_own() -> None:
+    """Colors go through the palette run by run, whatever else the panel shows."""
+    figure = flown(real=1, prior=3)
+    assert [curve.color for curve in curves(figure)] == list(PALETTE[:4])
+    assert [curve.color for curve in curves(figure, of=["prior"])] == list(PALETTE[1:4])
+    assert [curve.label for curve in curves(figure)] == ["real", "prior 0", "prior 1", "prior 2"]
+
+
+def test_large_groups_are_one_cloud() -> None:
+    """Many runs share a color and one entry of the legend that says how many they are."""
+    cloud = curves(flown(real=1, many=SINGLY + 1), of=["many"])
+    assert len({curve.color for curve in cloud}) == 1
+    assert [curve.label for curve in cloud] == [f"many ({SINGLY + 1} runs)"] + [""] * SINGLY
+
+
+def test_sweeps_have_shades_and_a_second_sweep_another_line() -> None:
+    """The runs of a sweep differ by shade; two sweeps of the same shades by their lines."""
+    first, second = curves(flown(a="sweep", b="sweep"))[:3], curves(flown(a="sweep", b="sweep"))[3:]
+    assert len({curve.color for curve in first}) == 3
+    assert [curve.color for curve in first] == [curve.color for curve in second]
+    assert {curve.line for curve in first} == {"solid"}
+    assert {curve.line for curve in second} == {"dashed"}
+    assert {curve.line for curve in curves(flown(a="sweep", b="sweep"), of=["b"])} == {"solid"}
+
+
+def test_a_shared_reference_is_drawn_once() -> None:
+    """What the runs are compared with is one black dotted line, named by its signal."""
+    drawn = curves(flown(a=2, b=1), signals=["y.reference", "x"])
+    assert {curve.line for curve in drawn} == {"dotted", "solid"}
+    (reference,) = (curve for curve in drawn if curve.line == "dotted")
+    assert (reference.color, reference.label) == ("black", "y.reference")
+    assert len(drawn) == 4
+
+
+def test_what_the_manifest_says_wins() -> None:
+    """Style and legend go by signal, run or group; an empty text leaves the legend out."""
+    style = {"prior": {"color": "grey", "width": 3}, "prior 1": "red"}
+    drawn = curves(flown(real=1, prior=2), style=style, legend={"real": "", "prior 1": "second"})
+    assert [curve.color for curve in drawn] == [PALETTE[0], "grey", "red"]
+    assert [curve.width for curve in drawn[1:]] == [3, 3]
+    assert [curve.label for curve in drawn] == ["", "prior 0", "second"]
+
+
+def test_curves_are_cut_to_the_window() -> None:
+    """After and before cut what is drawn, ends included."""
+    (curve,) = curves(flown(real=1), after=1.0, before=3.0)
+    assert curve.time.tolist() == [1.0, 2.0, 3.0]
+
+
+def test_a_text_is_never_a_formula() -> None:
+    """Dollar signs in labels are dollar signs."""
+    assert plain("cost [$], $x$") == r"cost [\$], \$x\$"

@@ -1,0 +1,183 @@
+"""Numbers over runs: a run without a number is never dropped in silence, a failed run never counts as a success."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.reproduce.claims import UNDECIDED, check_words, judge, seed_text
+from space_robot_bringup.reproduce.measures import Flight, FlownRun, reduce, select, take
+from space_robot_bringup.reproduce.plan import PlannedFlight, PlannedRun
+from space_robot_bringup.reproduce.spec import Bounds, Claim, Figure, Measure, Number, Quantity
+from space_robot_bringup.reproduce.timing import CycleTimes
+from space_robot_msgs_py.errors import SpecError
+
+BOUNDS = Bounds()
+SMALL = {"attitude": 10.0, "joints": 5.0}
+
+
+def flight(settling: float | None = 1.0, *, reason: str = "completed", **more: Any) -> Flight:
+    return Flight(reason, metrics={"settling": settling}, **{"largest": SMALL, **more})
+
+
+def flown(*flights: Flight, group: str = "all") -> list[FlownRun]:
+    experiment = load_experiment("liu2023/fig08")
+    runs = []
+    for seed, one in enumerate(flights):
+        planned = PlannedFlight(f"{group}{seed}", "x", (), experiment.model_copy(update={"seed": seed}))
+        runs.append((PlannedRun(f"{group} {seed}", group, {"seed": seed}, planned), one))
+    return runs
+
+
+def figure(*claims: Claim) -> Figure:
+    return Figure.model_validate({"title": "t", "runs": {"all": {"experiment": "x"}}, "claims": list(claims)})
+
+
+def claim(**keys: Any) -> Claim:
+    base = {
+        "paper": "It is fast.",
+        "measures": {"slowest": {"metric": "settling", "of": "all", "reduce": "max"}},
+        "holds_if": "slowest < 5",
+        "found": "{slowest:.1f} s over {n} runs, seeds {seeds}",
+        "verdict": "holds",
+    }
+    return Claim.model_validate(base | keys)
+
+
+def test_reductions_are_those_of_numpy() -> None:
+    """Each reduction over the runs is what its name says."""
+    values = [3.0, 1.0, 2.0, 7.0]
+    runs = flown(*map(flight, values))
+    want = {"min": 1.0, "max": 7.0, "mean": 3.25, "median": 2.5, "sum": 13.0, "count": 4.0, "std": np.std(values)}
+    for name, value in want.items():
+        number = Number.model_validate({"metric": "settling", "reduce": name})
+        assert reduce(number, runs, BOUNDS).value == pytest.approx(value)
+
+
+def test_a_run_without_the_number_is_refused_skipped_or_replaced_as_said() -> None:
+    """``missing`` decides, and the runs without the number are named in every case."""
+    runs = flown(flight(1.0), flight(None), flight(3.0))
+    refused = reduce(Number(metric="settling", reduce="mean"), runs, BOUNDS)
+    assert refused.value is None
+    assert "all 1 without settling" in refused.why
+    skipped = reduce(Number(metric="settling", reduce="mean", missing="skip"), runs, BOUNDS)
+    replaced = reduce(Number(metric="settling", reduce="mean", missing=8.0), runs, BOUNDS)
+    assert (skipped.value, replaced.value) == (2.0, 4.0)
+    assert refused.without == skipped.without == replaced.without == ("all 1",)
+    assert skipped.runs == 3
+
+
+def test_nothing_left_has_no_number_but_counts_as_none() -> None:
+    """When every run lacks the number only its count and sum exist."""
+    runs = flown(flight(None))
+    assert reduce(Number(metric="settling", reduce="max", missing="skip"), runs, BOUNDS).value is None
+    assert reduce(Number(metric="settling", reduce="count", missing="skip"), runs, BOUNDS).value == 0.0
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        flight(1.0, reason="controller: had enough"),
+        flight(1.0, reason="interrupted"),
+        flight(1.0, broken=("energy_residual",)),
+        Flight("a metric is not finite"),
+    ],
+)
+def test_a_failed_run_has_diverged_and_lends_no_number(bad: Flight) -> None:
+    """A run that did not complete, or whose plant was wrong, counts as diverged and has no metric to count."""
+    assert bad.number(Quantity("completed"), BOUNDS) == 0.0
+    assert bad.number(Quantity("diverged"), BOUNDS) == 1.0
+    assert bad.number(Quantity("settling"), BOUNDS) is None
+    assert bad.number(Quantity(signal="base.error", take="max"), BOUNDS) is None
+
+
+@pytest.mark.parametrize(("name", "value"), [("attitude", 91.0), ("joints", 181.0), ("position", 10.1)])
+def test_a_run_that_leaves_the_bounds_has_diverged(name: str, value: float) -> None:
+    """A completed run with an error beyond a bound has diverged, and wider bounds forgive it."""
+    wild = flight(1.0, largest=SMALL | {name: value})
+    assert wild.completed
+    assert wild.diverged(BOUNDS)
+    assert not wild.diverged(Bounds.model_validate({name: 2.0 * value}))
+    assert not flight(1.0).diverged(BOUNDS)
+
+
+def test_a_number_of_a_signal_is_taken_in_its_window() -> None:
+    """After and before cut the signal, ends included; an empty window has no number."""
+    time, signal = np.arange(5.0), np.array([9.0, -4.0, 1.0, 2.0, -8.0])
+    for name, value in {"final": 2.0, "max": 2.0, "min": -4.0, "max_abs": 4.0, "mean": -1.0 / 3.0}.items():
+        assert take(Quantity(signal="x", take=name, after=1.0, before=3.0), time, signal) == pytest.approx(value)
+    assert take(Quantity(signal="x", take="rms", after=2.0, before=3.0), time, signal) == pytest.approx(np.sqrt(2.5))
+    assert take(Quantity(signal="x", take="max", after=9.0), time, signal) is None
+
+
+def test_where_picks_the_runs_with_a_value() -> None:
+    """``where`` leaves only runs whose key has this value."""
+    runs = [run for run, _ in flown(flight(), flight(), flight())]
+    measure = Measure.model_validate({"metric": "settling", "of": "all", "where": {"seed": 2}})
+    assert [run.label for run in select(measure, runs)] == ["all 2"]
+
+
+def test_a_claim_is_decided_by_its_condition() -> None:
+    """The verdict is measured, never taken from the manifest; a difference is a change."""
+    fast, slow = flown(flight(1.0), flight(2.0)), flown(flight(1.0), flight(9.0))
+    held = judge(claim(), figure(claim()), fast)
+    assert (held.verdict, held.changed) == ("holds", False)
+    assert held.found == "2.0 s over 2 runs, seeds 0-1"
+    failed = judge(claim(), figure(claim()), slow)
+    assert (failed.verdict, failed.changed) == ("does not hold", True)
+    assert not judge(claim(verdict="does not hold"), figure(claim()), slow).changed
+
+
+def test_a_claim_without_its_numbers_is_undecided_and_so_changed() -> None:
+    """A missing number, or a condition without a value, is no verdict at all."""
+    missing = judge(claim(), figure(claim()), flown(flight(None)))
+    assert (missing.verdict, missing.changed) == (UNDECIDED, True)
+    divided = claim(holds_if="1 / (slowest - slowest) > 0")
+    assert judge(divided, figure(divided), flown(flight(1.0))).verdict == UNDECIDED
+
+
+def test_a_claim_that_cannot_be_checked_stays_so() -> None:
+    """Not checkable needs a reason, takes no measures, and is never a change."""
+    words = {"paper": "It is nice.", "verdict": "not checkable"}
+    one = Claim.model_validate(words | {"because": "No number is given."})
+    assert not judge(one, figure(one), flown(flight())).changed
+    for wrong in ({}, {"because": "x", "holds_if": "1 < 2"}):
+        with pytest.raises(ValueError, match="not checkable"):
+            Claim.model_validate(words | wrong)
+
+
+def test_a_claim_may_use_cycle_times() -> None:
+    """A cycle time is a number of the runs of the timing table; without it the claim is undecided."""
+    timed = claim(measures={"slowest": {"timing": "median", "of": "all"}}, holds_if="slowest < 1000")
+    times = CycleTimes(30.0, 20.0, 90.0, 100).metrics()
+    assert judge(timed, figure(timed), flown(flight(cycle_times=times))).found.startswith("20.0 s")
+    assert judge(timed, figure(timed), flown(flight())).verdict == UNDECIDED
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"holds_if": "slowes < 5"}, "slowest"),
+        ({"found": "{slowes}"}, "slowest"),
+        ({"found": "{slowest.real}"}, "slowest.real"),
+        ({"found": "{}"}, "no such measure"),
+        ({"found": "{slowest:%q}"}, "format string"),
+        ({"found": "{slowest"}, "format string"),
+    ],
+)
+def test_words_of_a_claim_are_checked_before_flying(change: dict[str, Any], word: str) -> None:
+    """Condition and text name only what there is."""
+    with pytest.raises(SpecError, match="figures"):
+        check_words(claim(**change), "figures.8.claims.0")
+    with pytest.raises(SpecError, match=word):
+        check_words(claim(**change), "figures.8.claims.0")
+
+
+def test_seeds_are_written_shortly() -> None:
+    """Neighbouring seeds become ranges."""
+    assert seed_text(()) == ""
+    assert seed_text((0,)) == "0"
+    assert seed_text((1, 2, 3, 7, 9, 10)) == "1-3, 7, 9-10"

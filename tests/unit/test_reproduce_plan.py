@@ -1,0 +1,145 @@
+"""From a manifest to flights: every combination once, under a name and with a command of its own."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan, picture_name
+from space_robot_msgs_py.errors import SpecError
+
+HEAD = "title: T\ncitation: C\nfigures:\n"
+PERIOD = "control_period"
+
+
+def plan(folder: Path, *figures: str) -> Plan:
+    """A plan from the ``runs`` of its figures a, b, ..."""
+    body = "".join(f"  {name}: {{title: t, runs: {{{runs}}}}}\n" for name, runs in zip("abc", figures, strict=False))
+    (folder / "p.yaml").write_text(HEAD + body)
+    return load_plan(str(folder / "p.yaml"))
+
+
+def test_sweeps_and_seeds_are_combined(tmp_path: Path) -> None:
+    """One run per combination, seeds innermost, labelled by what varies."""
+    made = plan(tmp_path, f"l: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5]}}, seeds: [3, 5]}}")
+    runs = made.runs["a"]["l"]
+    want = [f"l control_period {period}, seed {seed}" for period in (0.25, 0.5) for seed in (3, 5)]
+    assert [run.label for run in runs] == want
+    assert [run.values for run in runs][1] == {PERIOD: 0.25, "seed": 5}
+    assert [run.flight.experiment.seed for run in runs] == [3, 5, 3, 5]
+    assert len(made.flights(["a"])) == 4
+
+
+def test_one_varying_key_is_told_by_its_value_alone(tmp_path: Path) -> None:
+    """Labels are short: the group and the value, and the group alone for a single run."""
+    groups = (
+        "prior: {experiment: liu2023/fig08, set: {nominal.dispersion.eta: 0.2}, seeds: {first: 1, count: 3}}",
+        f"l: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5]}}, seeds: [4]}}",
+        "real: {experiment: liu2023/fig08}",
+    )
+    labels = [run.label for group in plan(tmp_path, ", ".join(groups)).runs["a"].values() for run in group]
+    assert labels == ["prior 1", "prior 2", "prior 3", "l 0.25", "l 0.5", "real"]
+
+
+def test_equal_runs_are_flown_once_whatever_they_are_called(tmp_path: Path) -> None:
+    """Two figures that show the same experiment share its flight, also when it is said in another way."""
+    made = plan(
+        tmp_path,
+        "real: {experiment: liu2023/fig08}",
+        f"sweep: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5], seed: [0]}}}}",
+    )
+    assert made.runs["a"]["real"][0].flight is made.runs["b"]["sweep"][0].flight
+    assert len(made.flights(["a", "b"])) == 2
+
+
+def test_different_runs_have_different_names(tmp_path: Path) -> None:
+    """Names of bags are unique, fit a file system and do not depend on the figures chosen."""
+    long = {f"plant.sensors.{name}.noise": 1e-6 for name in ("position", "attitude", "angular_velocity")}
+    groups = (
+        'x: {experiment: liu2023/fig08, set: {title: "a/b"}}, y: {experiment: liu2023/fig08, set: {title: "a b"}}',
+        f"z: {{experiment: liu2023/fig08, set: {long!r}, seeds: [1, 2]}}",
+    )
+    flights = plan(tmp_path, *groups).flights(["a", "b"])
+    assert len(flights) == 4
+    assert all(len(name) < 100 and "/" not in name and " " not in name for name in flights)
+    assert set(plan(tmp_path, *groups).flights(["b"])) < set(flights)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"controller.gains.anything": 1e-05},
+        {"controller": {"law": "none", "gains": {}}},
+        {"title": 'it\'s "quoted": $HOME # no comment'},
+        {"reference.joints_deg": [90, 55, 55.5, -1]},
+        {"nominal.dispersion.eta": 0.1, "seed": 7},
+    ],
+)
+def test_the_command_gives_the_experiment_that_is_flown(tmp_path: Path, values: dict[str, Any]) -> None:
+    """What a shell makes of the command is the planned experiment, every value of it."""
+    (run,) = plan(tmp_path, f"x: {{experiment: liu2023/fig08, set: {json.dumps(values)}}}").runs["a"]["x"]
+    program, verb, argument, *options = shlex.split(run.flight.command)
+    assert (program, verb) == ("space-robot", "run")
+    assert options[::2] == ["--set"] * len(values)
+    assert load_experiment(argument, options[1::2]) == run.flight.experiment
+
+
+def test_an_experiment_beside_the_manifest_is_found(tmp_path: Path) -> None:
+    """A manifest and its experiments move together."""
+    (tmp_path / "mine.yaml").write_text(
+        "robot: mini\ncontrol_period: 0.25\nduration: 1.0\nreference: {kind: hold}\ninitial: {joints_deg: 20}\n"
+    )
+    (run,) = plan(tmp_path, "x: {experiment: mine.yaml}").runs["a"]["x"]
+    assert run.flight.argument == str(tmp_path / "mine.yaml")
+    assert run.flight.experiment.duration == 1.0
+
+
+@pytest.mark.parametrize(
+    ("runs", "words"),
+    [
+        ("x: {experiment: liu2023/fig8}", ("p.yaml figures.a.runs.x", "liu2023/fig08")),
+        ("x: {experiment: liu2023/fig08, set: {contol_period: 1}}", ("figures.a.runs.x", "control_period")),
+        ("x: {experiment: liu2023/fig08, sweep: {seed: [1]}, seeds: [1]}", ("figures.a.runs.x", "said twice")),
+        ("x: {experiment: liu2023/fig08, seeds: [1, 1]}", ("figures.a.runs.x", "twice")),
+        ("x: {experiment: liu2023/fig08, seeds: [-1]}", ("figures.a.runs.x.seeds.0", "-1")),
+        ("x: {experiment: liu2023/fig08, sweep: {seed: []}}", ("figures.a.runs.x.sweep.seed",)),
+        ("x: {experiment: liu2023/fig08, set: {a=b: 1}}", ("figures.a.runs.x", "'a=b'")),
+        ("x: {experiment: liu2023/fig08, seeds: {count: 1000000}}", ("figures.a.runs.x.seeds", "10000")),
+        ("x: {experiment: liu2023/fig08, sweep: {duration: [1, 2]}, seeds: {count: 9999}}", ("at most 10000 runs",)),
+        ("x: {experiment: liu2023/fig08, swep: {}}", ("figures.a.runs.x.swep", "sweep")),
+        ("", ("figures.a.runs",)),
+    ],
+)
+def test_bad_groups_are_refused_by_their_key(tmp_path: Path, runs: str, words: tuple[str, ...]) -> None:
+    """One line names the key path and what would do."""
+    with pytest.raises(SpecError) as refusal:
+        plan(tmp_path, runs)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+def test_every_figure_has_a_picture_of_its_own(tmp_path: Path) -> None:
+    """Two figures whose pictures would have one file name are refused."""
+    assert picture_name("8") == "fig08.png"
+    assert picture_name("table 2/b") == "table-2-b.png"
+    body = "".join(f'  "{name}": {{title: t, runs: {{x: {{experiment: liu2023/fig08}}}}}}\n' for name in ("8", "fig08"))
+    (tmp_path / "p.yaml").write_text(HEAD + body)
+    with pytest.raises(SpecError, match=r"p\.yaml figures: its picture is that of '8'; got 'fig08'"):
+        load_plan(str(tmp_path / "p.yaml"))
+
+
+def test_figures_are_chosen_in_the_order_of_the_manifest(tmp_path: Path) -> None:
+    """All by default; a figure that is not there suggests the nearest; 8 and "8" are the same."""
+    (tmp_path / "p.yaml").write_text(HEAD + "  8: {title: t, runs: {x: {experiment: liu2023/fig08}}}\n")
+    assert choose_figures(load_plan(str(tmp_path / "p.yaml")).manifest, ["8"]) == ["8"]
+    runs = "x: {experiment: liu2023/fig08}"
+    manifest = plan(tmp_path, runs, runs).manifest
+    assert choose_figures(manifest, []) == ["a", "b"]
+    assert choose_figures(manifest, ["b", "a"]) == ["a", "b"]
+    with pytest.raises(SpecError, match=r"--figure: no such figure; got 'd'"):
+        choose_figures(manifest, ["d"])

@@ -1,0 +1,120 @@
+"""Signals by name are what the log holds, in the units people read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from space_robot_bringup.compose import Composition, compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.metrics import measure
+from space_robot_bringup.reproduce.signals import PARAMETERS, Signals, signal_names
+from space_robot_bringup.run import run_experiment
+from space_robot_description.inertia import inertial_parameters
+from space_robot_msgs_py.log_reader import LogReader
+
+OVERRIDES = (
+    "duration=5.0",
+    "plant.sensors.attitude.noise=1.0e-3",
+    "nominal.dispersion.eta=0.2",
+)
+ADAPTIVE = """
+import numpy as np
+from space_robot_control.laws import Law
+from space_robot_description.inertia import inertial_parameters
+
+class Adaptive(Law):
+    def compute(self, state, reference):
+        blocks = {"parameters": inertial_parameters(self.robot).ravel(), "pair": [3.0, -4.0]}
+        return np.zeros(6 + self.n), blocks
+"""
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Signals, Path]:
+    """A short noisy flight with another robot than the law believes in."""
+    bag = tmp_path_factory.mktemp("signals") / "bag"
+    experiment = load_experiment("liu2023/fig08", OVERRIDES)
+    run_experiment(experiment, bag, mode="headless")
+    return Signals(LogReader(bag).arrays(), compose(experiment)), bag
+
+
+def test_every_name_gives_one_number_per_tick(flown: tuple[Signals, Path]) -> None:
+    """What is offered before a flight is there after it, finite, over the whole run."""
+    signals, _ = flown
+    names, law_tells = signal_names(signals.composition)
+    assert law_tells
+    assert len(set(names)) == len(names) > 100
+    for name in names:
+        values = signals.of(name)
+        assert values.shape == signals.arrays.time.shape, name
+        assert np.isfinite(values).all(), name
+
+
+def test_errors_are_those_of_the_metrics(flown: tuple[Signals, Path]) -> None:
+    """The largest, last and RMS error of a signal is the metric of that name: the true motion, not the measured one."""
+    signals, bag = flown
+    numbers = measure(LogReader(bag).ticks(), signals.composition.joint_names, base_translation=False).flat()
+    for axis in ("base/roll", "base/pitch", "base/yaw", *signals.composition.joint_names):
+        error = signals.of(f"{axis}.error")
+        assert np.abs(error).max() == pytest.approx(numbers[f"{axis}.max_error"], rel=1e-12, abs=1e-15)
+        assert abs(error[-1]) == pytest.approx(numbers[f"{axis}.final_error"], rel=1e-12, abs=1e-15)
+        assert np.sqrt(np.mean(error**2)) == pytest.approx(numbers[f"{axis}.rms_error"], rel=1e-12)
+
+
+def test_joint_errors_are_value_minus_reference(flown: tuple[Signals, Path]) -> None:
+    """Of joints and of rotations about one axis the error is the difference of the curves one sees."""
+    signals, _ = flown
+    for axis in (*signals.composition.joint_names, "base/x"):
+        difference = signals.of(f"{axis}.value") - signals.of(f"{axis}.reference")
+        assert np.allclose(signals.of(f"{axis}.error"), difference, atol=1e-12)
+    assert signals.of("base/roll.reference")[1] == pytest.approx(10.0)
+    assert signals.of("base/roll.error")[0] == pytest.approx(-10.0)
+
+
+def test_totals_are_norms_and_elements_are_elements(flown: tuple[Signals, Path]) -> None:
+    """base.error is an angle, a block without index its norm, joints.error the largest."""
+    signals, _ = flown
+    parts = np.array([signals.of(f"base/{axis}.error") for axis in ("roll", "pitch", "yaw")])
+    assert np.allclose(signals.of("base.error"), np.linalg.norm(parts, axis=0))
+    torque = np.array([signals.of(f"command.torque[{index}]") for index in range(3)])
+    assert np.array_equal(torque.T, signals.arrays.wrench[:, 3:])
+    assert np.allclose(signals.of("command.torque"), np.linalg.norm(torque, axis=0))
+    joints = np.array([signals.of(f"{name}.error") for name in signals.composition.joint_names])
+    assert np.array_equal(signals.of("joints.error"), np.abs(joints).max(axis=0))
+
+
+def test_parameters_are_of_the_robot_they_say(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Truth is the robot that flies, prior what the law starts from, estimate what its telemetry says."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "adaptive.py").write_text(ADAPTIVE)
+    law = "controller={law: 'adaptive.py:Adaptive'}"
+    experiment = load_experiment(
+        "liu2023/fig08", [law, "duration=0.5", "nominal.dispersion.eta=0.2", "plant.dispersion.eta=0.1"]
+    )
+    run_experiment(experiment, tmp_path / "bag", mode="headless")
+    composition = compose(experiment)
+    signals = Signals(LogReader(tmp_path / "bag").arrays(), composition)
+    names, _ = signal_names(composition)
+    robots = {"truth": composition.truth, "prior": composition.nominal, "estimate": composition.nominal}
+    for kind, robot in robots.items():
+        for row, body in enumerate(composition.nominal.body_names):
+            for column, name in enumerate(PARAMETERS):
+                assert f"{kind}/{body}/{name}" in names
+                want = inertial_parameters(robot)[row, column]
+                assert np.array_equal(signals.of(f"{kind}/{body}/{name}"), np.full(3, want))
+    assert not np.array_equal(inertial_parameters(composition.truth), inertial_parameters(composition.nominal))
+    assert np.array_equal(signals.of("controller.pair"), np.full(3, 5.0))
+    assert np.array_equal(signals.of("controller.pair[1]"), np.full(3, -4.0))
+
+
+def test_a_law_without_an_answer_tells_no_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where even the first state ends the run, names of the law's telemetry are unknown, and that is said."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "adaptive.py").write_text(ADAPTIVE.replace("6 + self.n", "6"))
+    composition: Composition = compose(load_experiment("liu2023/fig08", ["controller={law: 'adaptive.py:Adaptive'}"]))
+    names, law_tells = signal_names(composition)
+    assert not law_tells
+    assert not any(name.startswith("controller.") for name in names)
