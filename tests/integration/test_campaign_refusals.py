@@ -66,7 +66,7 @@ REFUSED: dict[str, tuple[str, tuple[str, ...]]] = {
         "disperse: {initial.joints_deg.3: {uniform: {low: -400, high: -200}}}",
         ("initial.joints_deg", "-180 to 180"),
     ),
-    "a law there is none of": ("vary: {controller.law: [computed_torque, magic]}", ("magic", "computed_torque")),
+    "a law there is none of": ("vary: {controller.law: [computed_torque, wizardry]}", ("wizardry", "computed_torque")),
     "nothing to vary": ("vary: {controller.law: []}", ("vary.controller.law",)),
     "varied and dispersed": (
         "vary: {seed: [1, 2]}\ndisperse: {seed: {choice: [1]}}",
