@@ -181,7 +181,7 @@ class _Planner:
             flight = self._flight(group.experiment, values, key)
             seed = {"seed": flight.experiment.seed}
             told_apart = {path: value for path, value in varied.items() if len(axes[path]) > 1}
-            runs.append(PlannedRun(_label(label, told_apart), label, {**seed, **values}, flight))
+            runs.append(PlannedRun(run_label(label, told_apart), label, {**seed, **values}, flight))
         return tuple(runs)
 
     def _flight(self, name: str, values: Mapping[str, Any], key: str) -> PlannedFlight:
@@ -208,7 +208,8 @@ class _Planner:
         return name
 
 
-def _label(group: str, varied: Mapping[str, Any]) -> str:
+def run_label(group: str, varied: Mapping[str, Any]) -> str:
+    """What a run, or all runs of a point of a sweep, are called: the group, and what varies in it."""
     if len(varied) == 1:
         return f"{group} {next(iter(varied.values()))}"
     return f"{group} {', '.join(f'{_last(key)} {value}' for key, value in varied.items())}".strip()

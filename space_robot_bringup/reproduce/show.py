@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
 
 from space_robot_bringup.reproduce.summary import Data
 
@@ -26,9 +29,27 @@ def show(console: Console, data: Data) -> None:
         for group, times in figure["timing"].items():
             numbers = f"mean {times['mean']:.1f}, median {times['median']:.1f}, 99 % below {times['p99']:.1f} us"
             console.print(f"  {group}: {numbers} per cycle, {times['repeats']} repeats", markup=False, soft_wrap=True)
+        for table in figure["tables"]:
+            console.print(_table(table))
         _troubles(console, figure)
     word, style = ("as documented", "bold green") if data["passed"] else ("NOT as documented", "bold red")
     console.print(f"\n{count(data)}: {word}", style=style, markup=False, soft_wrap=True)
+
+
+def _table(data: Data) -> Table:
+    table = Table(title=escape(data["title"]) or None, title_justify="left", box=SIMPLE_HEAD)
+    table.add_column("")
+    for column in data["columns"]:
+        table.add_column(escape(column), justify="right")
+    for row, cells in data["rows"].items():
+        table.add_row(escape(row), *(_cell(cell, data["digits"]) for cell in cells))
+    return table
+
+
+def _cell(cell: Data, digits: int) -> str:
+    """A number; where runs lack it, how many."""
+    lacking = f" ({cell['without']} of {cell['runs']} without)" if cell["without"] else ""
+    return "-" + lacking if cell["value"] is None else f"{cell['value']:.{digits}g}{lacking}"
 
 
 def _troubles(console: Console, figure: Data) -> None:

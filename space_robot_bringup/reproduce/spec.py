@@ -197,10 +197,10 @@ class Chart(Drawing):
 
 
 class Table(Strict):
-    """One row per group or per run, one column per number."""
+    """One row per group, per point of its sweep (all seeds together) or per run, one column per number."""
 
     title: str = ""
-    rows: Literal["groups", "runs"] = "groups"
+    rows: Literal["groups", "points", "runs"] = "groups"
     of: Texts | None = Field(default=None, description="groups; default: all of the figure")
     columns: dict[str, Number] = Field(min_length=1, description="heading -> number")
     digits: Annotated[int, Field(ge=1, le=15)] = Field(default=4, description="significant digits")

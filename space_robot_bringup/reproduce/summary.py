@@ -10,7 +10,7 @@ from typing import Any
 from space_robot_bringup.compose import versions
 from space_robot_bringup.reproduce.claims import Judgement, seed_text
 from space_robot_bringup.reproduce.measures import FlownRun, Measured, reduce
-from space_robot_bringup.reproduce.plan import Plan
+from space_robot_bringup.reproduce.plan import Plan, PlannedRun, run_label
 from space_robot_bringup.reproduce.reproduction import RUNS, FlownFigure
 from space_robot_bringup.reproduce.spec import Figure, Measure, Table
 
@@ -94,7 +94,7 @@ def _table(table: Table, flown: FlownFigure) -> Data:
     runs = [pair for pair in flown.runs if table.of is None or pair[0].group in table.of]
     rows: dict[str, list[FlownRun]] = {}
     for pair in runs:
-        rows.setdefault(pair[0].group if table.rows == "groups" else pair[0].label, []).append(pair)
+        rows.setdefault(_row(table, pair[0], flown.figure), []).append(pair)
     cells = {
         row: [reduce(number, members, flown.figure.diverged) for number in table.columns.values()]
         for row, members in rows.items()
@@ -105,6 +105,15 @@ def _table(table: Table, flown: FlownFigure) -> Data:
         "digits": table.digits,
         "rows": {row: [_cell(one) for one in found] for row, found in cells.items()},
     }
+
+
+def _row(table: Table, run: PlannedRun, figure: Figure) -> str:
+    """The label of the row that a run belongs to."""
+    if table.rows == "runs":
+        return run.label
+    if table.rows == "groups":
+        return run.group
+    return run_label(run.group, {key: run.values[key] for key in figure.runs[run.group].sweep})
 
 
 def _cell(measured: Measured) -> Data:
