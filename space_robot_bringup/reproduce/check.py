@@ -6,8 +6,9 @@ from collections.abc import Iterable, Sequence
 
 from space_robot_bringup.reproduce.claims import check_words
 from space_robot_bringup.reproduce.measures import select
+from space_robot_bringup.reproduce.numbers import Asked, Measure, Number
 from space_robot_bringup.reproduce.plan import Plan, PlannedRun, Runs
-from space_robot_bringup.reproduce.spec import Chart, Claim, Drawing, Figure, Measure, Number, Panel, Table
+from space_robot_bringup.reproduce.spec import Chart, Claim, Drawing, Figure, Panel, Table
 from space_robot_bringup.reproduce.vocabulary import Vocabulary
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
@@ -107,8 +108,10 @@ class _FigureCheck:
             raise SpecError("no run has these values", key=f"{key}.where", value=dict(measure.where))
         self._check_number(measure, runs, key)
         _check_reducible(measure, runs, key)
+        if (partners := measure.only_if) is not None:
+            self._check_number(partners, self._of(partners.groups, f"{key}.only_if.of"), f"{key}.only_if")
 
-    def _check_number(self, number: Number, runs: Sequence[PlannedRun], key: str) -> None:
+    def _check_number(self, number: Asked, runs: Sequence[PlannedRun], key: str) -> None:
         if number.timing is not None:
             timed = self._figure.timing.of if self._figure.timing else ()
             for run in runs:

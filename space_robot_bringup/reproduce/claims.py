@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from keyword import iskeyword
 
 from space_robot_bringup.reproduce.expression import FUNCTIONS, Condition
-from space_robot_bringup.reproduce.measures import FlownRun, Measured, reduce, select
+from space_robot_bringup.reproduce.measures import FlownRun, Measured, paired, reduce, select
 from space_robot_bringup.reproduce.spec import Claim, Figure
 from space_robot_msgs_py.errors import SpecError
 
@@ -27,7 +27,8 @@ class Judgement:
         found: what was measured, in words.
         measured: by name.
         runs: how many distinct runs it is about.
-        seeds: theirs.
+        seeds: of those that are no cases of a campaign.
+        draws: numbers of those that are, in it.
     """
 
     claim: Claim
@@ -36,6 +37,7 @@ class Judgement:
     measured: dict[str, Measured]
     runs: int
     seeds: tuple[int, ...]
+    draws: tuple[int, ...] = ()
 
     @property
     def changed(self) -> bool:
@@ -73,15 +75,16 @@ def judge(claim: Claim, figure: Figure, runs: Sequence[FlownRun]) -> Judgement:
     if claim.verdict == "not checkable":
         return Judgement(claim, claim.verdict, "", {}, 0, ())
     measured: dict[str, Measured] = {}
-    used: dict[str, int] = {}
+    used: dict[str, tuple[str, int]] = {}
     flown = {run.label: (run, flight) for run, flight in runs}
     for name, measure in claim.measures.items():
         chosen = [flown[run.label] for run in select(measure, [run for run, _ in runs])]
+        chosen = paired(measure, chosen, runs, figure.diverged)
         measured[name] = reduce(measure, chosen, figure.diverged)
-        used |= {run.flight.name: run.flight.experiment.seed for run, _ in chosen}
-    seeds = tuple(sorted(set(used.values())))
+        used |= {run.flight.name: run.source for run, _ in chosen}
+    seeds, draws = (tuple(sorted({n for what, n in used.values() if what == kind})) for kind in ("seed", "draw"))
     verdict, found = _decide(claim, measured, len(used), seeds)
-    return Judgement(claim, verdict, found, measured, len(used), seeds)
+    return Judgement(claim, verdict, found, measured, len(used), seeds, draws)
 
 
 def seed_text(seeds: Sequence[int]) -> str:

@@ -12,8 +12,8 @@ import numpy as np
 from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.reproduce.measures import Flight, take
+from space_robot_bringup.reproduce.numbers import Quantity
 from space_robot_bringup.reproduce.signals import Signals
-from space_robot_bringup.reproduce.spec import Quantity
 from space_robot_bringup.reproduce.workers import stop_reason
 from space_robot_bringup.run import Hooks, RunResult, run_composition
 from space_robot_bringup.verdict import PLANT_BOUNDS

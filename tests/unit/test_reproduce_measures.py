@@ -10,8 +10,9 @@ import pytest
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.reproduce.claims import UNDECIDED, check_words, judge, seed_text
 from space_robot_bringup.reproduce.measures import Flight, FlownRun, reduce, select, take
+from space_robot_bringup.reproduce.numbers import Measure, Number, Quantity
 from space_robot_bringup.reproduce.plan import PlannedFlight, PlannedRun
-from space_robot_bringup.reproduce.spec import Bounds, Claim, Figure, Measure, Number, Quantity
+from space_robot_bringup.reproduce.spec import Bounds, Claim, Figure
 from space_robot_bringup.reproduce.timing import CycleTimes
 from space_robot_msgs_py.errors import SpecError
 
