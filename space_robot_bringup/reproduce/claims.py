@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from keyword import iskeyword
 
-from space_robot_bringup.reproduce.expression import FUNCTIONS, Condition
+from space_robot_bringup.reproduce.expression import FUNCTIONS, Condition, Formula
 from space_robot_bringup.reproduce.measures import FlownRun, Measured, paired, reduce, select
 from space_robot_bringup.reproduce.spec import Claim, Figure
 from space_robot_msgs_py.errors import SpecError
@@ -53,17 +53,20 @@ def check_words(claim: Claim, key: str) -> None:
     """
     if not claim.measures:
         return
-    for name in claim.measures:
-        if not name.isidentifier() or iskeyword(name) or name in (*EXTRA, *FUNCTIONS):
-            accepted = "letters, digits and _, no word of a condition"
+    numbers = [*claim.measures, *claim.derived]
+    for name in numbers:
+        if not name.isidentifier() or iskeyword(name) or name in (*EXTRA, *FUNCTIONS) or numbers.count(name) > 1:
+            accepted = "letters, digits and _, no word of a condition, no name of another number"
             raise SpecError("not a usable name", key=f"{key}.measures", value=name, accepted=accepted)
-    Condition(claim.holds_if, tuple(claim.measures), f"{key}.holds_if")
-    names = [*claim.measures, *EXTRA]
+    for name, formula in claim.derived.items():
+        Formula(formula, tuple(claim.measures), f"{key}.derived.{name}")
+    Condition(claim.holds_if, numbers, f"{key}.holds_if")
+    names = [*numbers, *EXTRA]
     try:
         fields = [name for _, name, _, _ in string.Formatter().parse(claim.found) if name is not None]
         if unknown := [name for name in fields if name not in names]:
             raise SpecError("no such measure", key=f"{key}.found", value=unknown[0], accepted=", ".join(names))
-        claim.found.format_map({**dict.fromkeys(claim.measures, 1.0), "n": 1, "seeds": "1-4"})
+        claim.found.format_map({**dict.fromkeys(numbers, 1.0), "n": 1, "seeds": "1-4"})
     except SpecError:
         raise
     except (ValueError, LookupError, AttributeError, TypeError) as error:
@@ -103,6 +106,10 @@ def _decide(claim: Claim, measured: Mapping[str, Measured], runs: int, seeds: Se
         if one.value is None:
             return UNDECIDED, f"{name}: {one.why}"
     values = {name: one.value for name, one in measured.items() if one.value is not None}
+    try:
+        values |= {name: Formula(text, tuple(values), name).value(values) for name, text in claim.derived.items()}
+    except ArithmeticError as error:
+        return UNDECIDED, f"derived: {error}"
     found = claim.found.format_map({**values, "n": runs, "seeds": seed_text(seeds)})
     try:
         holds = Condition(claim.holds_if, tuple(values), "holds_if").holds(values)

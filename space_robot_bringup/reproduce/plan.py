@@ -12,7 +12,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.experiment import Experiment, load_experiment
+from space_robot_bringup.experiment import Experiment, experiment_path, overridden
 from space_robot_bringup.reproduce.cases import campaign_cases
 from space_robot_bringup.reproduce.spec import Manifest, RunGroup
 from space_robot_description.share import config_dir, is_file, shipped
@@ -179,6 +179,8 @@ class _Planner:
         self._folder = folder
         self._known: dict[str, PlannedFlight] = {}
         self._names: set[str] = set()
+        # Reading a file takes longer than everything else about a run.
+        self._contents: dict[str, dict[str, Any]] = {}
 
     def expand(self, label: str, group: RunGroup, key: str) -> tuple[PlannedRun, ...]:
         """The runs of a group, swept values or points first, seeds or draws innermost."""
@@ -219,7 +221,9 @@ class _Planner:
         # JSON is YAML: the value reads back as it stands in the manifest (a date as its text).
         overrides = tuple(f"{path}={json.dumps(value, default=str)}" for path, value in values.items())
         try:
-            experiment = load_experiment(argument, overrides)
+            if argument not in self._contents:
+                self._contents[argument] = parse_yaml(experiment_path(argument))
+            experiment = overridden(self._contents[argument], argument, overrides)
         except SpaceRobotError as error:
             raise SpecError(str(error), key=key) from None
         content = experiment.model_dump_json()

@@ -81,16 +81,17 @@ class Claim(Strict):
 
     paper: str = Field(min_length=1, description="the paper's words")
     measures: dict[str, Measure] = Field(default_factory=dict, description="name -> number")
+    derived: dict[str, str] = Field(default_factory=dict, description="name -> formula over the measures")
     holds_if: str = Field(default="", description="a condition over the measures")
-    found: str = Field(default="", description="what was measured: a format string over the measures, n and seeds")
+    found: str = Field(default="", description="what was measured: a format string over the numbers, n and seeds")
     verdict: Verdict = Field(description="the documented verdict; another one is an error")
     because: str = Field(default="", description="why, in a sentence or two")
 
     @model_validator(mode="after")
     def _checkable(self) -> Self:
         if self.verdict == "not checkable":
-            if self.measures or self.holds_if or self.found:
-                raise ValueError("a claim that is not checkable has no measures, holds_if or found")
+            if self.measures or self.derived or self.holds_if or self.found:
+                raise ValueError("a claim that is not checkable has no measures, derived, holds_if or found")
             if not self.because:
                 raise ValueError("a claim that is not checkable says because")
         elif not (self.measures and self.holds_if and self.found):

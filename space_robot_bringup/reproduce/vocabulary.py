@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import Experiment
+from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.metrics import metric_names
 from space_robot_bringup.reproduce.measures import OUTCOMES
 from space_robot_bringup.reproduce.plan import PlannedRun
@@ -31,8 +30,13 @@ class Vocabulary:
         self._of_flight: dict[str, _Words] = {}
         self._of_content: dict[str, _Words] = {}
 
-    def learn(self, run: PlannedRun, key: str) -> None:
+    def learn(self, run: PlannedRun, key: str, like: PlannedRun | None = None) -> None:
         """Compose a run, unless one that differs only by the noise of its sensors has been.
+
+        Args:
+            run: to learn of.
+            key: of its group, for errors.
+            like: a run that has been learnt and has the same names.
 
         Raises:
             SpecError: it cannot be flown.
@@ -42,7 +46,9 @@ class Vocabulary:
         content = experiment.model_dump_json(exclude=None if drawn else {"seed"})
         if content not in self._of_content:
             try:
-                self._of_content[content] = _words(experiment)
+                composition = compose(experiment)
+                known = like is not None and self._of_flight[like.flight.name]
+                self._of_content[content] = known or _words(composition)
             except SpaceRobotError as error:
                 raise SpecError(f"{run.label} cannot be flown: {error}", key=key) from None
         self._of_flight[run.flight.name] = self._of_content[content]
@@ -68,8 +74,7 @@ class Vocabulary:
                 _check("signal", name, words.signals, run, key)
 
 
-def _words(experiment: Experiment) -> _Words:
-    composition = compose(experiment)
+def _words(composition: Composition) -> _Words:
     flying = composition.nominal.base_mode == "free_flying"
     metrics = metric_names(composition.joint_names, base_translation=flying)
     signals, law_tells = signal_names(composition)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -220,3 +221,22 @@ def test_pairs_are_judged_where_both_have_the_number() -> None:
     assert judge(both, figure(both), [*quick, *slow]).found == "5 of 12"
     nobody = claim(measures={"slowest": measure | {"only_if": {"metric": "settling", "of": ["slow", "absent"]}}})
     assert judge(nobody, figure(nobody), slow).found.startswith("0.0 s over 0 runs")
+
+
+def test_derived_numbers_are_formulas_over_the_measures() -> None:
+    """A claim may speak of a saving: computed once, usable in condition and text, undecided where it has no value."""
+    saving = claim(derived={"saving": "100 * (1 - slowest / 8)"}, holds_if="saving > 50", found="{saving:.0f} %")
+    assert judge(saving, figure(saving), flown(flight(2.0))).found == "75 %"
+    nothing = claim(derived={"part": "1 / (slowest - slowest)"}, holds_if="part > 50")
+    assert judge(nothing, figure(nothing), flown(flight(2.0))).verdict == UNDECIDED
+    for wrong in ({"n": "1 + 1"}, {"slowest": "1 + 1"}, {"part": "other * 2"}):
+        with pytest.raises(SpecError, match="figures"):
+            check_words(claim(derived=wrong), "figures.8.claims.0")
+
+
+def test_draws_of_a_campaign_are_counted_as_such() -> None:
+    """Runs of a campaign are told by their number, not by a drawn seed of sixteen digits."""
+    runs = flown(flight(1.0), flight(2.0))
+    cases = [(replace(run, values={"run": place}), one) for place, (run, one) in enumerate(runs)]
+    judged = judge(claim(), figure(claim()), cases)
+    assert (judged.seeds, judged.draws) == ((), (0, 1))
