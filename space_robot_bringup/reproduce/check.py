@@ -15,7 +15,7 @@ from space_robot_msgs_py.errors import SpecError
 
 
 def check_plan(plan: Plan, figures: Iterable[str]) -> None:
-    """Compose every flight of these figures and look up every name they use.
+    """Compose every flight of these figures, of campaigns the first of each point, and look up every name they use.
 
     Raises:
         SpecError: a run cannot be composed, or a group, metric, signal, measure or key is unknown; with the key path
@@ -25,13 +25,18 @@ def check_plan(plan: Plan, figures: Iterable[str]) -> None:
     for name in figures:
         key = f"{plan.argument} figures.{name}"
         for label, runs in plan.runs[name].items():
-            first: PlannedRun | None = None
-            for run in runs:
-                # The cases of one point of a campaign differ in what is drawn, not in their names.
-                like = first if run.values.get("run") else None
-                vocabulary.learn(run, f"{key}.runs.{label}", like)
-                first = like or run
+            _learn(vocabulary, runs, f"{key}.runs.{label}")
         _FigureCheck(plan.manifest.figures[name], plan.runs[name], vocabulary).check(key)
+
+
+def _learn(vocabulary: Vocabulary, runs: Sequence[PlannedRun], key: str) -> None:
+    first = runs[0]
+    for run in runs:
+        # The cases of one point differ in what is drawn; composing hundreds would take as long as flying some.
+        if run.values.get("run"):
+            vocabulary.learn_case(run, first)
+        else:
+            vocabulary.learn(first := run, key)
 
 
 class _FigureCheck:

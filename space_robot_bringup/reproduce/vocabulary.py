@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from space_robot_bringup.compose import Composition, compose
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import Experiment
 from space_robot_bringup.metrics import metric_names
 from space_robot_bringup.reproduce.measures import OUTCOMES
 from space_robot_bringup.reproduce.plan import PlannedRun
@@ -30,13 +31,8 @@ class Vocabulary:
         self._of_flight: dict[str, _Words] = {}
         self._of_content: dict[str, _Words] = {}
 
-    def learn(self, run: PlannedRun, key: str, like: PlannedRun | None = None) -> None:
+    def learn(self, run: PlannedRun, key: str) -> None:
         """Compose a run, unless one that differs only by the noise of its sensors has been.
-
-        Args:
-            run: to learn of.
-            key: of its group, for errors.
-            like: a run that has been learnt and has the same names.
 
         Raises:
             SpecError: it cannot be flown.
@@ -46,12 +42,14 @@ class Vocabulary:
         content = experiment.model_dump_json(exclude=None if drawn else {"seed"})
         if content not in self._of_content:
             try:
-                composition = compose(experiment)
-                known = like is not None and self._of_flight[like.flight.name]
-                self._of_content[content] = known or _words(composition)
+                self._of_content[content] = _words(experiment)
             except SpaceRobotError as error:
                 raise SpecError(f"{run.label} cannot be flown: {error}", key=key) from None
         self._of_flight[run.flight.name] = self._of_content[content]
+
+    def learn_case(self, run: PlannedRun, first: PlannedRun) -> None:
+        """Take a case of a campaign to have the names of the first of its point, which has been learnt."""
+        self._of_flight[run.flight.name] = self._of_flight[first.flight.name]
 
     def check_metric(self, name: str, runs: Sequence[PlannedRun], key: str) -> None:
         """Refuse a metric that one of the runs does not have.
@@ -74,7 +72,8 @@ class Vocabulary:
                 _check("signal", name, words.signals, run, key)
 
 
-def _words(composition: Composition) -> _Words:
+def _words(experiment: Experiment) -> _Words:
+    composition = compose(experiment)
     flying = composition.nominal.base_mode == "free_flying"
     metrics = metric_names(composition.joint_names, base_translation=flying)
     signals, law_tells = signal_names(composition)

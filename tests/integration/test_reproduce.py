@@ -370,3 +370,12 @@ def test_a_case_has_the_bits_the_campaign_flies(tmp_path: Path) -> None:
         assert shown.completed
         assert len(shown.metrics) > 50
         assert shown.metrics == {name: columns[name] for name in shown.metrics}
+
+
+def test_a_draw_that_cannot_be_flown_is_a_failed_run(tmp_path: Path) -> None:
+    """What only one case of a campaign draws is found when it is flown: it fails with its reason, and leaves no bag."""
+    job = Job("liu2023/fig08", ("plant.payload={mass: 1, inertia: [1, 1, 9]}",), tmp_path / "x", (), (), "all")
+    flight = fly(job)
+    assert not flight.completed
+    assert flight.end_reason.startswith("cannot be flown: link payload")
+    assert not (tmp_path / "x").exists()
