@@ -50,8 +50,8 @@ def axis_distances(attitude: Matrix, omega: Matrix, goal: Vector) -> tuple[Vecto
     return distances, turning
 
 
-def path_ratio(attitude: Matrix, goal: Vector) -> float:
-    """Return the length of the path through the attitudes over that of the geodesic from the first to the goal [-].
+def path_ratios(attitude: Matrix, goal: Vector) -> Vector:
+    """Return the length of the path so far (K,) over that of the geodesic from the first attitude to the goal [-].
 
     Args:
         attitude: (K, 4) quaternions, body to inertial.
@@ -63,5 +63,10 @@ def path_ratio(attitude: Matrix, goal: Vector) -> float:
     geodesic = float(np.linalg.norm(log(relative(attitude[0], goal))))
     if not geodesic > LEAST_ANGLE:
         raise NonFiniteError("no path to judge", key="attitude", value=geodesic, accepted="a start away from the goal")
-    steps = [np.linalg.norm(log(relative(a, b))) for a, b in pairwise(attitude)]
-    return float(sum(steps)) / geodesic
+    steps = [float(np.linalg.norm(log(relative(a, b)))) for a, b in pairwise(attitude)]
+    return np.concatenate(([0.0], np.cumsum(steps))) / geodesic
+
+
+def path_ratio(attitude: Matrix, goal: Vector) -> float:
+    """Return the length of the whole path over that of the geodesic [-], see ``path_ratios``."""
+    return float(path_ratios(attitude, goal)[-1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -125,8 +126,18 @@ def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experim
         InputFileError: there is no such file or shipped experiment.
         SpecError: a key or value cannot be used.
     """
-    path = experiment_path(name_or_path)
-    data = parse_yaml(path)
+    return overridden(parse_yaml(experiment_path(name_or_path)), name_or_path, overrides)
+
+
+def overridden(content: Mapping[str, Any], name_or_path: str, overrides: Iterable[str]) -> Experiment:
+    """The experiment of a file that has been read: see ``load_experiment``, of which this is the second half.
+
+    Args:
+        content: of the file; it is not changed.
+        name_or_path: of the file.
+        overrides: ``dotted.key=value`` with the value in YAML.
+    """
+    data, path = deepcopy(dict(content)), experiment_path(name_or_path)
     # The law first: gains given beside it are meant for it, those of the file's own law are not.
     for override in sorted(overrides, key=lambda text: not text.startswith(f"{LAW_KEY}=")):
         apply_override(data, override)

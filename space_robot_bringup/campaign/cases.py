@@ -74,7 +74,7 @@ def make_case(campaign: Campaign, index: int) -> Case:
     point = campaign.point(at)
     # The child that SeedSequence(seed).spawn(runs)[run] is, without making the others.
     child = np.random.SeedSequence(campaign.seed, spawn_key=(run,))
-    drawn = {key: draw.sample(np.random.default_rng(_stream(child, key))) for key, draw in campaign.disperse.items()}
+    drawn = {key: _sample(campaign, key, child) for key in campaign.disperse}
     seed = int(child.generate_state(1, np.uint64)[0] >> np.uint64(64 - SEED_BITS))
     data: dict[str, Any] = deepcopy(dict(campaign.experiment)) | {"seed": seed}  # type: ignore[arg-type]
     for section, values in (("vary", point.values), ("disperse", drawn)):
@@ -116,6 +116,13 @@ def _compose(campaign: Campaign, index: int) -> Composition:
         said = {key: value for key, value in case.columns().items() if key not in ("index", "run")}
         accepted = "dispersions and values that can be flown"
         raise SpecError(f"cannot be flown: {error}", key=f"case {index}", value=said, accepted=accepted) from None
+
+
+def _sample(campaign: Campaign, key: str, child: np.random.SeedSequence) -> Any:
+    draw = campaign.disperse[key]
+    if draw.same_as is not None:
+        return _sample(campaign, draw.same_as, child)
+    return draw.sample(np.random.default_rng(_stream(child, key)))
 
 
 def _stream(child: np.random.SeedSequence, key: str) -> np.random.SeedSequence:

@@ -76,6 +76,7 @@ class Draw(Strict):
     choice: tuple[Any, ...] | None = Field(default=None, min_length=1, description="one of these values")
     direction: Direction | None = None
     rotation: Rotation | None = None
+    same_as: str | None = Field(default=None, description="the value drawn for this key")
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -84,7 +85,7 @@ class Draw(Strict):
         return self
 
     def sample(self, rng: np.random.Generator) -> Any:
-        """One value, as YAML could have said it."""
+        """One value, as YAML could have said it; not of ``same_as``, whose value is another key's."""
         if self.uniform is not None:
             return _plain(rng.uniform(self.uniform.low, self.uniform.high))
         if self.normal is not None:

@@ -65,6 +65,10 @@ class Campaign(Strict):
                 raise ValueError(f"vary.{key} has no value")
             if key in self.disperse:
                 raise ValueError(f"{key} is both varied and dispersed")
+        for key, draw in self.disperse.items():
+            other = self.disperse.get(draw.same_as or "")
+            if draw.same_as is not None and (other is None or other.same_as is not None):
+                raise ValueError(f"disperse.{key}.same_as must name a key that is drawn by itself")
         if self.cases > MOST_CASES:
             raise ValueError(f"{self.cases} cases; at most {MOST_CASES}")
         return self

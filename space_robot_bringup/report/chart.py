@@ -28,6 +28,9 @@ def draw_chart(axis: Any, chart: Chart, flown: FlownFigure) -> None:
     if chart.x:
         axis.set_xscale(chart.x_scale)
         axis.set_xlabel(plain(chart.x_label or chart.x))
+        for text, x in chart.marks.items():
+            axis.axvline(x, color="#808080", linestyle="dotted", linewidth=1.0)
+            axis.annotate(plain(text), (x, 0.02), xycoords=("data", "axes fraction"), rotation=90, fontsize="x-small")
     else:
         groups = list(dict.fromkeys(run.group for run, _ in runs))
         axis.set_xticks(range(len(groups)), [plain(chart.legend.get(group, group)) for group in groups])

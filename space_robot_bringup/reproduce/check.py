@@ -6,15 +6,16 @@ from collections.abc import Iterable, Sequence
 
 from space_robot_bringup.reproduce.claims import check_words
 from space_robot_bringup.reproduce.measures import select
+from space_robot_bringup.reproduce.numbers import Asked, Measure, Number
 from space_robot_bringup.reproduce.plan import Plan, PlannedRun, Runs
-from space_robot_bringup.reproduce.spec import Chart, Claim, Drawing, Figure, Measure, Number, Panel, Table
+from space_robot_bringup.reproduce.spec import Chart, Claim, Drawing, Figure, Panel, Table
 from space_robot_bringup.reproduce.vocabulary import Vocabulary
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
 
 
 def check_plan(plan: Plan, figures: Iterable[str]) -> None:
-    """Compose every flight of these figures and look up every name they use.
+    """Compose every flight of these figures, of campaigns the first of each point, and look up every name they use.
 
     Raises:
         SpecError: a run cannot be composed, or a group, metric, signal, measure or key is unknown; with the key path
@@ -24,9 +25,18 @@ def check_plan(plan: Plan, figures: Iterable[str]) -> None:
     for name in figures:
         key = f"{plan.argument} figures.{name}"
         for label, runs in plan.runs[name].items():
-            for run in runs:
-                vocabulary.learn(run, f"{key}.runs.{label}")
+            _learn(vocabulary, runs, f"{key}.runs.{label}")
         _FigureCheck(plan.manifest.figures[name], plan.runs[name], vocabulary).check(key)
+
+
+def _learn(vocabulary: Vocabulary, runs: Sequence[PlannedRun], key: str) -> None:
+    first = runs[0]
+    for run in runs:
+        # The cases of one point differ in what is drawn; composing hundreds would take as long as flying some.
+        if run.values.get("run"):
+            vocabulary.learn_case(run, first)
+        else:
+            vocabulary.learn(first := run, key)
 
 
 class _FigureCheck:
@@ -107,8 +117,10 @@ class _FigureCheck:
             raise SpecError("no run has these values", key=f"{key}.where", value=dict(measure.where))
         self._check_number(measure, runs, key)
         _check_reducible(measure, runs, key)
+        if (partners := measure.only_if) is not None:
+            self._check_number(partners, self._of(partners.groups, f"{key}.only_if.of"), f"{key}.only_if")
 
-    def _check_number(self, number: Number, runs: Sequence[PlannedRun], key: str) -> None:
+    def _check_number(self, number: Asked, runs: Sequence[PlannedRun], key: str) -> None:
         if number.timing is not None:
             timed = self._figure.timing.of if self._figure.timing else ()
             for run in runs:

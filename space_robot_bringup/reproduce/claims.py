@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from keyword import iskeyword
 
-from space_robot_bringup.reproduce.expression import FUNCTIONS, Condition
-from space_robot_bringup.reproduce.measures import FlownRun, Measured, reduce, select
+from space_robot_bringup.reproduce.expression import FUNCTIONS, Condition, Formula
+from space_robot_bringup.reproduce.measures import FlownRun, Measured, paired, reduce, select
 from space_robot_bringup.reproduce.spec import Claim, Figure
 from space_robot_msgs_py.errors import SpecError
 
@@ -27,7 +27,8 @@ class Judgement:
         found: what was measured, in words.
         measured: by name.
         runs: how many distinct runs it is about.
-        seeds: theirs.
+        seeds: of those that are no cases of a campaign.
+        draws: numbers of those that are, in it.
     """
 
     claim: Claim
@@ -36,6 +37,7 @@ class Judgement:
     measured: dict[str, Measured]
     runs: int
     seeds: tuple[int, ...]
+    draws: tuple[int, ...] = ()
 
     @property
     def changed(self) -> bool:
@@ -51,17 +53,20 @@ def check_words(claim: Claim, key: str) -> None:
     """
     if not claim.measures:
         return
-    for name in claim.measures:
-        if not name.isidentifier() or iskeyword(name) or name in (*EXTRA, *FUNCTIONS):
-            accepted = "letters, digits and _, no word of a condition"
+    numbers = [*claim.measures, *claim.derived]
+    for name in numbers:
+        if not name.isidentifier() or iskeyword(name) or name in (*EXTRA, *FUNCTIONS) or numbers.count(name) > 1:
+            accepted = "letters, digits and _, no word of a condition, no name of another number"
             raise SpecError("not a usable name", key=f"{key}.measures", value=name, accepted=accepted)
-    Condition(claim.holds_if, tuple(claim.measures), f"{key}.holds_if")
-    names = [*claim.measures, *EXTRA]
+    for name, formula in claim.derived.items():
+        Formula(formula, tuple(claim.measures), f"{key}.derived.{name}")
+    Condition(claim.holds_if, numbers, f"{key}.holds_if")
+    names = [*numbers, *EXTRA]
     try:
         fields = [name for _, name, _, _ in string.Formatter().parse(claim.found) if name is not None]
         if unknown := [name for name in fields if name not in names]:
             raise SpecError("no such measure", key=f"{key}.found", value=unknown[0], accepted=", ".join(names))
-        claim.found.format_map({**dict.fromkeys(claim.measures, 1.0), "n": 1, "seeds": "1-4"})
+        claim.found.format_map({**dict.fromkeys(numbers, 1.0), "n": 1, "seeds": "1-4"})
     except SpecError:
         raise
     except (ValueError, LookupError, AttributeError, TypeError) as error:
@@ -73,15 +78,16 @@ def judge(claim: Claim, figure: Figure, runs: Sequence[FlownRun]) -> Judgement:
     if claim.verdict == "not checkable":
         return Judgement(claim, claim.verdict, "", {}, 0, ())
     measured: dict[str, Measured] = {}
-    used: dict[str, int] = {}
+    used: dict[str, tuple[str, int]] = {}
     flown = {run.label: (run, flight) for run, flight in runs}
     for name, measure in claim.measures.items():
         chosen = [flown[run.label] for run in select(measure, [run for run, _ in runs])]
+        chosen = paired(measure, chosen, runs, figure.diverged)
         measured[name] = reduce(measure, chosen, figure.diverged)
-        used |= {run.flight.name: run.flight.experiment.seed for run, _ in chosen}
-    seeds = tuple(sorted(set(used.values())))
+        used |= {run.flight.name: run.source for run, _ in chosen}
+    seeds, draws = (tuple(sorted({n for what, n in used.values() if what == kind})) for kind in ("seed", "draw"))
     verdict, found = _decide(claim, measured, len(used), seeds)
-    return Judgement(claim, verdict, found, measured, len(used), seeds)
+    return Judgement(claim, verdict, found, measured, len(used), seeds, draws)
 
 
 def seed_text(seeds: Sequence[int]) -> str:
@@ -100,6 +106,10 @@ def _decide(claim: Claim, measured: Mapping[str, Measured], runs: int, seeds: Se
         if one.value is None:
             return UNDECIDED, f"{name}: {one.why}"
     values = {name: one.value for name, one in measured.items() if one.value is not None}
+    try:
+        values |= {name: Formula(text, tuple(values), name).value(values) for name, text in claim.derived.items()}
+    except ArithmeticError as error:
+        return UNDECIDED, f"derived: {error}"
     found = claim.found.format_map({**values, "n": runs, "seeds": seed_text(seeds)})
     try:
         holds = Condition(claim.holds_if, tuple(values), "holds_if").holds(values)

@@ -1,4 +1,4 @@
-"""Conditions over named numbers: arithmetic, comparisons, and/or/not, and nothing else of Python."""
+"""Conditions and formulas over named numbers: arithmetic, comparisons, and/or/not, and nothing else of Python."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {"abs": abs, "min": min, "max": max}
 ACCEPTED = "numbers, names of measures, + - * /, < <= > >= == !=, and, or, not, abs, min, max"
 
 
-class Condition:
-    """A condition such as ``late < 0.1 and diverged == 0``, checked once, evaluated on numbers.
+class _Expression:
+    """Checked once, evaluated on numbers.
 
     Args:
-        text: the condition.
+        text: the expression.
         names: the numbers it may name.
         key: dotted key for errors.
 
     Raises:
-        SpecError: it is no condition over these names.
+        SpecError: it is not what it should be, or not over these names.
     """
 
     def __init__(self, text: str, names: Collection[str], key: str) -> None:
@@ -46,17 +46,11 @@ class Condition:
         try:
             self._tree = ast.parse(text.strip(), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
-            raise self._refusal("not a condition", text) from None
-        if not self._is_truth(self._tree):
-            raise self._refusal("a number, not a condition", text, "a comparison")
+            raise self._refusal("not an expression", text) from None
+        self._check()
 
-    def holds(self, values: Mapping[str, float]) -> bool:
-        """The truth of the condition for these numbers.
-
-        Raises:
-            ArithmeticError: it divides by zero or leaves the range of numbers.
-        """
-        return bool(_value(self._tree, values))
+    def _check(self) -> None:
+        """Refuse what has not the type it should have."""
 
     def _is_truth(self, node: ast.expr) -> bool:
         """Whether a node is a condition (else a number); everything below it is checked."""
@@ -95,6 +89,38 @@ class Condition:
 
     def _refusal(self, message: str, value: str, accepted: str = ACCEPTED) -> SpecError:
         return SpecError(message, key=self._key, value=value, accepted=accepted)
+
+
+class Condition(_Expression):
+    """A condition such as ``late < 0.1 and diverged == 0``."""
+
+    def holds(self, values: Mapping[str, float]) -> bool:
+        """The truth of the condition for these numbers.
+
+        Raises:
+            ArithmeticError: it divides by zero or leaves the range of numbers.
+        """
+        return bool(_value(self._tree, values))
+
+    def _check(self) -> None:
+        if not self._is_truth(self._tree):
+            raise self._refusal("a number, not a condition", self._text, "a comparison")
+
+
+class Formula(_Expression):
+    """A number such as ``100 * (1 - late / early)``."""
+
+    def value(self, values: Mapping[str, float]) -> float:
+        """The number for these numbers.
+
+        Raises:
+            ArithmeticError: it divides by zero or leaves the range of numbers.
+        """
+        return float(_value(self._tree, values))
+
+    def _check(self) -> None:
+        if self._is_truth(self._tree):
+            raise self._refusal("a condition, not a number", self._text, "a number")
 
 
 def _is_finite(constant: object) -> bool:

@@ -12,12 +12,12 @@ import numpy as np
 from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.reproduce.measures import Flight, take
+from space_robot_bringup.reproduce.numbers import Quantity
 from space_robot_bringup.reproduce.signals import Signals
-from space_robot_bringup.reproduce.spec import Quantity
 from space_robot_bringup.reproduce.workers import stop_reason
 from space_robot_bringup.run import Hooks, RunResult, run_composition
 from space_robot_bringup.verdict import PLANT_BOUNDS
-from space_robot_msgs_py.errors import NonFiniteError
+from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
 from space_robot_msgs_py.log_reader import LogReader
 
 # A picture is about this many dots wide; curves of longer runs are drawn by every k-th tick.
@@ -54,7 +54,11 @@ def fly(job: Job) -> Flight:
     """
     warnings: list[str] = []
     hooks = Hooks(stop=stop_reason, warn=warnings.append)
-    composition = compose(load_experiment(job.argument, job.overrides))
+    try:
+        composition = compose(load_experiment(job.argument, job.overrides))
+    except SpaceRobotError as error:
+        # A draw of a campaign; all else was composed before.
+        return Flight(f"cannot be flown: {error}")
     try:
         result = run_composition(composition, job.directory, mode="headless", hooks=hooks)
         flight = _look(job, composition, result)

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from space_robot_bringup.reproduce.numbers import Measure, Number, Partners, Quantity
 from space_robot_bringup.reproduce.plan import PlannedRun
-from space_robot_bringup.reproduce.spec import Bounds, Measure, Number, Quantity
+from space_robot_bringup.reproduce.spec import Bounds
 from space_robot_msgs_py.interfaces import Vector
 
 # Metrics that every run has, also one that failed.
@@ -106,10 +107,25 @@ class Measured:
 
 
 def take(quantity: Quantity, time: Vector, signal: Vector) -> float | None:
-    """The number taken of a signal in its window, ends included; None if no tick is in it."""
+    """The number taken of a signal in its window, ends included; None if it has no value in it, or never settles.
+
+    Args:
+        quantity: ``integral`` is that of a signal that is held between ticks, like a command.
+        time: (K,) [s].
+        signal: (K,); NaN where it has no value, and these ticks do not count.
+    """
     end = np.inf if quantity.before is None else quantity.before
-    inside = signal[(time >= quantity.after) & (time <= end)]
-    return TAKES[quantity.take](inside) if inside.size else None
+    inside = (time >= quantity.after) & (time <= end) & ~np.isnan(signal)
+    t, x = time[inside], signal[inside]
+    if not x.size:
+        return None
+    if quantity.take == "integral":
+        return float(x[:-1] @ np.diff(t))
+    if quantity.take == "settled":
+        outside = np.flatnonzero(np.abs(x) >= quantity.below)
+        first = int(outside[-1]) + 1 if outside.size else 0
+        return float(t[first]) if first < t.size else None
+    return TAKES[quantity.take](x)
 
 
 def select(measure: Measure, runs: Sequence[PlannedRun]) -> list[PlannedRun]:
@@ -120,6 +136,19 @@ def select(measure: Measure, runs: Sequence[PlannedRun]) -> list[PlannedRun]:
         if run.group in measure.groups
         and all(key in run.values and run.values[key] == value for key, value in measure.where.items())
     ]
+
+
+def paired(measure: Measure, chosen: Sequence[FlownRun], runs: Sequence[FlownRun], bounds: Bounds) -> list[FlownRun]:
+    """Those of the chosen runs that ``only_if`` leaves: every group it names has partners, and each has the number."""
+    if measure.only_if is None:
+        return list(chosen)
+    return [pair for pair in chosen if _all_have(measure.only_if, pair[0].seed, runs, bounds)]
+
+
+def _all_have(asked: Partners, seed: int, runs: Sequence[FlownRun], bounds: Bounds) -> bool:
+    partners = [(run.group, flight) for run, flight in runs if run.group in asked.groups and run.seed == seed]
+    everywhere = {group for group, _ in partners} == set(asked.groups)
+    return everywhere and all(flight.number(asked.quantity, bounds) is not None for _, flight in partners)
 
 
 def reduce(number: Number, runs: Sequence[FlownRun], bounds: Bounds) -> Measured:

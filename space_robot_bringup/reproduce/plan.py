@@ -6,13 +6,14 @@ import hashlib
 import json
 import re
 import shlex
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.experiment import Experiment, load_experiment
+from space_robot_bringup.experiment import Experiment, experiment_path, overridden
+from space_robot_bringup.reproduce.cases import campaign_cases
 from space_robot_bringup.reproduce.spec import Manifest, RunGroup
 from space_robot_description.share import config_dir, is_file, shipped
 from space_robot_description.validation import nearest, parse_yaml, validate
@@ -51,7 +52,7 @@ class PlannedRun:
     Attributes:
         label: group and what varies in it.
         group: of the figure.
-        values: what the group sets, by dotted key; ``seed`` too.
+        values: what the group sets, by dotted key; ``seed`` too, and ``run`` of a campaign.
         flight: the flight.
     """
 
@@ -59,6 +60,16 @@ class PlannedRun:
     group: str
     values: Mapping[str, Any]
     flight: PlannedFlight
+
+    @property
+    def seed(self) -> int:
+        """Runs of the same seed are partners: in campaigns of one seed they have the same draws."""
+        return self.flight.experiment.seed
+
+    @property
+    def source(self) -> tuple[str, int]:
+        """What is told of where its chances come from: its seed, or the number of its run in a campaign."""
+        return ("draw", self.values["run"]) if "run" in self.values else ("seed", self.seed)
 
 
 Runs = dict[str, tuple[PlannedRun, ...]]
@@ -168,9 +179,14 @@ class _Planner:
         self._folder = folder
         self._known: dict[str, PlannedFlight] = {}
         self._names: set[str] = set()
+        # Reading a file takes longer than everything else about a run.
+        self._contents: dict[str, dict[str, Any]] = {}
 
     def expand(self, label: str, group: RunGroup, key: str) -> tuple[PlannedRun, ...]:
-        """The runs of a group, swept values first, seeds innermost."""
+        """The runs of a group, swept values or points first, seeds or draws innermost."""
+        if group.campaign:
+            return tuple(self._cases(label, group, key))
+        argument = self._beside(group.experiment)
         axes: dict[str, tuple[Any, ...]] = dict(group.sweep)
         if group.seed_list:
             axes["seed"] = group.seed_list
@@ -178,29 +194,45 @@ class _Planner:
         for point in product(*axes.values()):
             varied = dict(zip(axes, point, strict=True))
             values = {**group.set, **varied}
-            flight = self._flight(group.experiment, values, key)
+            words = [Path(argument).stem, *_words(values)]
+            flight = self._flight(argument, values, words, key)
             seed = {"seed": flight.experiment.seed}
             told_apart = {path: value for path, value in varied.items() if len(axes[path]) > 1}
             runs.append(PlannedRun(run_label(label, told_apart), label, {**seed, **values}, flight))
         return tuple(runs)
 
-    def _flight(self, name: str, values: Mapping[str, Any], key: str) -> PlannedFlight:
+    def _cases(self, label: str, group: RunGroup, key: str) -> Iterator[PlannedRun]:
+        try:
+            argument, cases = campaign_cases(group, self._folder, key)
+        except InputFileError as error:
+            raise SpecError(str(error), key=key) from None
+        for case in cases:
+            words = [Path(group.campaign).stem, *_words(case.labels), *_words(group.set), f"{case.run:03d}"]
+            flight = self._flight(argument, {**case.values, **group.set}, words, key)
+            varied = {name: value for name, value in case.labels.items() if name not in group.at}
+            values = {**case.values, **group.set, **case.labels, "run": case.run}
+            yield PlannedRun(_label(label, {**varied, "run": case.run}), label, values, flight)
+
+    def _beside(self, name: str) -> str:
         beside = self._folder / name
-        argument = str(beside) if is_file(beside) else name
+        return str(beside) if is_file(beside) else name
+
+    def _flight(self, argument: str, values: Mapping[str, Any], words: Sequence[str], key: str) -> PlannedFlight:
         # JSON is YAML: the value reads back as it stands in the manifest (a date as its text).
         overrides = tuple(f"{path}={json.dumps(value, default=str)}" for path, value in values.items())
         try:
-            experiment = load_experiment(argument, overrides)
+            if argument not in self._contents:
+                self._contents[argument] = parse_yaml(experiment_path(argument))
+            experiment = overridden(self._contents[argument], argument, overrides)
         except SpaceRobotError as error:
             raise SpecError(str(error), key=key) from None
         content = experiment.model_dump_json()
         if content not in self._known:
-            flight_name = self._name(argument, values, content)
+            flight_name = self._name(words, content)
             self._known[content] = PlannedFlight(flight_name, argument, overrides, experiment)
         return self._known[content]
 
-    def _name(self, argument: str, values: Mapping[str, Any], content: str) -> str:
-        words = [Path(argument).stem, *(f"{_last(path)}-{value}" for path, value in values.items())]
+    def _name(self, words: Sequence[str], content: str) -> str:
         name = re.sub(r"[^\w.+-]+", "-", "_".join(words))
         if len(name) > LONGEST_NAME or name in self._names:
             name = f"{name[:LONGEST_NAME]}_{hashlib.sha256(content.encode()).hexdigest()[:8]}"
@@ -213,6 +245,10 @@ def run_label(group: str, varied: Mapping[str, Any]) -> str:
     if len(varied) == 1:
         return f"{group} {next(iter(varied.values()))}"
     return f"{group} {', '.join(f'{_last(key)} {value}' for key, value in varied.items())}".strip()
+
+
+def _words(values: Mapping[str, Any]) -> list[str]:
+    return [f"{_last(path)}-{value}" for path, value in values.items()]
 
 
 def _last(key: str) -> str:

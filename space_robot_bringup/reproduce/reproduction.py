@@ -10,8 +10,9 @@ from space_robot_bringup.reproduce.check import check_plan
 from space_robot_bringup.reproduce.claims import Judgement, judge
 from space_robot_bringup.reproduce.fly import Job, Keep, fly
 from space_robot_bringup.reproduce.measures import Flight, FlownRun, select
+from space_robot_bringup.reproduce.numbers import Asked, Quantity
 from space_robot_bringup.reproduce.plan import Plan, PlannedFlight, PlannedRun
-from space_robot_bringup.reproduce.spec import KEEP_ALL_UP_TO, Figure, Number, Quantity
+from space_robot_bringup.reproduce.spec import KEEP_ALL_UP_TO, Figure
 from space_robot_bringup.reproduce.timing import CycleTimes, time_law
 from space_robot_bringup.reproduce.workers import Task, Workers
 from space_robot_msgs_py.errors import InputFileError, LogError
@@ -142,7 +143,7 @@ def _job(plan: Plan, figures: Sequence[str], flight: PlannedFlight, directory: P
     return Job(flight.argument, flight.overrides, place, tuple(quantities), tuple(curves), keep)
 
 
-def _numbers(figure: Figure, runs: Sequence[PlannedRun], flight: PlannedFlight) -> Iterator[Number]:
+def _numbers(figure: Figure, runs: Sequence[PlannedRun], flight: PlannedFlight) -> Iterator[Asked]:
     """Everything a figure asks of a flight."""
     mine = {run.group for run in runs if run.flight is flight}
     for chart in figure.charts:
@@ -155,6 +156,8 @@ def _numbers(figure: Figure, runs: Sequence[PlannedRun], flight: PlannedFlight) 
         for measure in claim.measures.values():
             if any(run.flight is flight for run in select(measure, runs)):
                 yield measure
+            if measure.only_if is not None and mine & set(measure.only_if.groups):
+                yield measure.only_if
 
 
 def _time(

@@ -83,9 +83,10 @@ def count(data: Data) -> str:
 
 
 def sample(claim: Data) -> str:
-    """How many runs a claim is about, and which seeds they have."""
+    """How many runs a claim is about, and which seeds or draws of a campaign they have."""
     runs = "1 run" if claim["runs"] == 1 else f"{claim['runs']} runs"
-    return f"{runs}, seed {claim['seeds']}"
+    sources = [f"{kind} {claim[f'{kind}s']}" for kind in ("seed", "draw") if claim[f"{kind}s"]]
+    return ", ".join([runs, *sources])
 
 
 def _claim(console: Console, claim: Data) -> None:

@@ -7,11 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
+from space_robot_bringup.attitude_path import axis_distances, path_ratios
 from space_robot_bringup.compose import Composition
 from space_robot_bringup.metrics import Matrix, axis_names, deviations
-from space_robot_control.rotations import to_rpy
+from space_robot_bringup.tool_error import tool_errors
+from space_robot_control.rotations import relative, rotate, to_rpy
 from space_robot_description.inertia import inertial_parameters
-from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
 from space_robot_msgs_py.interfaces import PlantSample, Vector
 from space_robot_msgs_py.log_arrays import LogArrays
 
@@ -20,6 +22,8 @@ AXIS_FIELDS = ("value", "reference", "error")
 # Of inertial parameters; the last two are known where the law tells its estimate.
 KINDS = ("truth", "prior", "estimate", "mismatch")
 TOTALS = ("base.error", "base.position_error", "joints.error")
+# How directly the base turns to its last reference, and what became of the tool.
+PATHS, TOOL = ("base.axis_distance", "base.path"), ("tool.position_error", "tool.attitude_error")
 # The block of a law's telemetry that holds its inertial parameters, body by body in the order of PARAMETERS.
 ESTIMATE = "parameters"
 
@@ -29,7 +33,10 @@ def signal_names(composition: Composition) -> tuple[list[str], bool]:
 
     - ``<axis>.value | reference | error``, axes as in the metrics, ``base/x`` to ``base/z`` of every robot [deg or m];
     - ``base.error`` (angle), ``joints.error`` (largest) [deg], ``base.position_error`` [m];
-    - ``command.force | torque | effort``, ``controller.<label>``, ``plant.<label>``: the norm, or one element ``[i]``;
+    - ``base.axis_distance`` [-] and ``base.path`` [-] so far, see ``attitude_path``; NaN where there is no axis, or no
+      geodesic; ``tool.position_error`` [m], ``tool.attitude_error`` [deg] of a robot that has a tool;
+    - ``base.error_quaternion`` (vector part, inertial axes), ``command.force | torque | effort``,
+      ``controller.<label>``, ``plant.<label>``: the norm, or one element ``[i]``;
     - ``truth | prior | estimate | mismatch/<body>/<parameter>``: of the robot that flies (a capture changes it), the
       nominal one, the law's telemetry, and estimate minus truth.
 
@@ -37,11 +44,13 @@ def signal_names(composition: Composition) -> tuple[list[str], bool]:
     """
     sample = composition.plant().reset()
     blocks = {"command.force": 3, "command.torque": 3, "command.effort": composition.nominal.n}
+    blocks["base.error_quaternion"] = 3
     blocks |= {f"plant.{label}": block.size for label, block in sample.telemetry.items()}
     law = _first_answer(composition, sample)
     shown = law or {}
     blocks |= {f"controller.{label}": block.size for label, block in shown.items()}
-    names = [f"{axis}.{field}" for axis in _axes(composition) for field in AXIS_FIELDS] + list(TOTALS)
+    names = [f"{axis}.{field}" for axis in _axes(composition) for field in AXIS_FIELDS]
+    names += [*TOTALS, *PATHS, *(TOOL if composition.truth.tool_frame else ())]
     for label, size in blocks.items():
         names += [label, *(f"{label}[{index}]" for index in range(size))]
     bodies = composition.nominal.body_names
@@ -80,10 +89,14 @@ class Signals:
         """
         if name in TOTALS:
             return self._total(name)
+        if name in PATHS:
+            return self._path(name)
+        if name in TOOL:
+            return self._tool[TOOL.index(name)]
         if "/" in name and name.partition("/")[0] in KINDS:
             return self._parameter(*name.split("/"))
         source, _, rest = name.partition(".")
-        if source in ("command", "controller", "plant"):
+        if source in ("command", "controller", "plant", "base"):
             return self._element(source, rest)
         return self._axis(*name.rsplit(".", 1))
 
@@ -98,6 +111,30 @@ class Signals:
             largest: Vector = np.abs(self.errors[:, 6:]).max(axis=1, initial=0.0)
             return largest
         return norms(self.errors[:, 3:6] if name == "base.error" else self.errors[:, :3])
+
+    def _path(self, name: str) -> Vector:
+        """NaN where nothing turns, or from the first attitude to the last reference there is no way to go."""
+        attitude, goal = self.arrays.plant["true_configuration"][:, 3:7], self.arrays.q_d[-1, 3:7]
+        try:
+            if name == "base.path":
+                return path_ratios(attitude, goal)
+            distances, turning = axis_distances(attitude, self.arrays.plant["true_velocity"][:, 3:6], goal)
+        except NonFiniteError:
+            return np.full(self.arrays.time.size, np.nan)
+        return np.where(turning, distances, np.nan)
+
+    @cached_property
+    def _tool(self) -> tuple[Vector, Vector]:
+        """Errors of the tool, [m] and [deg]."""
+        q = self.arrays.plant["true_configuration"]
+        position, angle = tool_errors(self.composition.truth, q, self.arrays.q_d)
+        return position, np.degrees(angle)
+
+    @cached_property
+    def _error_quaternion(self) -> Matrix:
+        """(K, 3) vector part of the rotation from the reference to the body, inertial axes, the short way."""
+        pairs = zip(self.arrays.plant["true_configuration"][:, 3:7], self.arrays.q_d[:, 3:7], strict=True)
+        return np.array([np.array(rotate(q, relative(q_d, q)[:3])) for q, q_d in pairs])
 
     def _axis(self, axis: str, field: str) -> Vector:
         index = _axes(self.composition).index(axis)
@@ -118,7 +155,7 @@ class Signals:
             "plant": self.arrays.plant,
         }
         label, bracket, index = name.removesuffix("]").partition("[")
-        block = blocks[source][label]
+        block = self._error_quaternion if source == "base" else blocks[source][label]
         return block[:, int(index)] if bracket else norms(block)
 
     def _parameter(self, kind: str, body: str, parameter: str) -> Vector:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import prod
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
+from space_robot_bringup.reproduce.numbers import Measure, Number, Texts
 from space_robot_description.spec import Strict
 
-Takes = Literal["final", "max", "min", "mean", "rms", "max_abs"]
-Reductions = Literal["min", "max", "mean", "median", "std", "sum", "count"]
 Verdict = Literal["holds", "does not hold", "not checkable"]
 Scale = Literal["linear", "log", "symlog"]
-Texts = Annotated[tuple[str, ...], Field(min_length=1)]
 # More bags than this fill a disk sooner than anybody looks at them.
 KEEP_ALL_UP_TO = 40
 MOST_RUNS = 10_000
@@ -28,9 +25,12 @@ class SeedRange(Strict):
 
 
 class RunGroup(Strict):
-    """Runs of one experiment under one label: every combination of the swept values and the seeds."""
+    """Runs under one label: of an experiment every combination of swept values and seeds, or cases of a campaign."""
 
-    experiment: str = Field(description="shipped name, or a YAML file relative to the manifest")
+    experiment: str = Field(default="", description="shipped name, or a YAML file relative to the manifest")
+    campaign: str = Field(default="", description="instead of an experiment: a campaign, named likewise")
+    runs: PositiveInt | None = Field(default=None, description="of a campaign, per point of its grid; default: its own")
+    at: dict[str, Any] = Field(default_factory=dict, description="of a campaign: only points where these are varied so")
     set: dict[str, Any] = Field(default_factory=dict, description="overrides of every run, dotted key -> value")
     sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(
         default_factory=dict, description="dotted key -> values, one run per value"
@@ -44,6 +44,16 @@ class RunGroup(Strict):
         if isinstance(self.seeds, SeedRange):
             return tuple(range(self.seeds.first, self.seeds.first + self.seeds.count))
         return self.seeds
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if bool(self.experiment) == bool(self.campaign):
+            raise ValueError("say experiment or campaign")
+        if self.campaign and (self.sweep or self.seed_list):
+            raise ValueError("a campaign has its own grid and seeds: say runs and at")
+        if self.experiment and (self.runs is not None or self.at):
+            raise ValueError("runs and at belong to a campaign")
+        return self
 
     @model_validator(mode="after")
     def _said_once(self) -> Self:
@@ -66,88 +76,22 @@ class RunGroup(Strict):
         return self
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """One number of one run: a metric, or something taken of a signal over a window [s]."""
-
-    metric: str = ""
-    signal: str = ""
-    take: str = ""
-    after: float = 0.0
-    before: float | None = None
-
-    def __str__(self) -> str:
-        if self.metric:
-            return self.metric
-        until = "" if self.before is None else f" before {self.before:g} s"
-        since = f" after {self.after:g} s" if self.after else ""
-        return f"{self.take} of {self.signal}{since}{until}"
-
-
-class Number(Strict):
-    """A number over runs: what it is of each, and how many become one."""
-
-    metric: str | None = Field(default=None, description="a metric of the run, or completed, or diverged")
-    signal: str | None = Field(default=None, description="a signal, of which `take` takes a number")
-    take: Takes | None = None
-    timing: Literal["mean", "median", "p99"] | None = Field(
-        default=None, description="time of one control cycle [us], of a group of the timing table"
-    )
-    after: NonNegativeFloat = Field(default=0.0, description="the signal from this time on [s]")
-    before: PositiveFloat | None = Field(default=None, description="the signal up to this time [s]")
-    reduce: Reductions | None = Field(
-        default=None, description="how the runs become one number; none: there is one run"
-    )
-    missing: Literal["refuse", "skip"] | float = Field(
-        default="refuse", description="a run without the number: no result, left out and counted, or this number"
-    )
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        if [self.metric, self.signal, self.timing].count(None) != 2:
-            raise ValueError("say metric, signal or timing")
-        if (self.signal is None) != (self.take is None):
-            raise ValueError("signal and take belong together")
-        if self.signal is None and (self.after or self.before is not None):
-            raise ValueError("after and before cut signals")
-        if self.before is not None and self.before <= self.after:
-            raise ValueError("before must be later than after")
-        return self
-
-    @property
-    def quantity(self) -> Quantity:
-        """What is asked of each run."""
-        metric = f"cycle_time.{self.timing}" if self.timing else self.metric or ""
-        return Quantity(metric, self.signal or "", self.take or "", self.after, self.before)
-
-
-class Measure(Number):
-    """A number over the runs of one or more groups of the figure."""
-
-    of: str | Texts = Field(description="group, or groups")
-    where: dict[str, Any] = Field(default_factory=dict, description="only runs whose set or swept key has this value")
-
-    @property
-    def groups(self) -> tuple[str, ...]:
-        """The groups named."""
-        return (self.of,) if isinstance(self.of, str) else self.of
-
-
 class Claim(Strict):
     """What the paper says, how it is checked, and what was found when the manifest was written."""
 
     paper: str = Field(min_length=1, description="the paper's words")
     measures: dict[str, Measure] = Field(default_factory=dict, description="name -> number")
+    derived: dict[str, str] = Field(default_factory=dict, description="name -> formula over the measures")
     holds_if: str = Field(default="", description="a condition over the measures")
-    found: str = Field(default="", description="what was measured: a format string over the measures, n and seeds")
+    found: str = Field(default="", description="what was measured: a format string over the numbers, n and seeds")
     verdict: Verdict = Field(description="the documented verdict; another one is an error")
     because: str = Field(default="", description="why, in a sentence or two")
 
     @model_validator(mode="after")
     def _checkable(self) -> Self:
         if self.verdict == "not checkable":
-            if self.measures or self.holds_if or self.found:
-                raise ValueError("a claim that is not checkable has no measures, holds_if or found")
+            if self.measures or self.derived or self.holds_if or self.found:
+                raise ValueError("a claim that is not checkable has no measures, derived, holds_if or found")
             if not self.because:
                 raise ValueError("a claim that is not checkable says because")
         elif not (self.measures and self.holds_if and self.found):
@@ -194,6 +138,7 @@ class Chart(Drawing):
     x: str = Field(default="", description="dotted key whose value is the abscissa; empty: one column per group")
     x_label: str = ""
     x_scale: Scale = "linear"
+    marks: dict[str, float] = Field(default_factory=dict, description="text -> abscissa of a vertical line")
 
 
 class Table(Strict):

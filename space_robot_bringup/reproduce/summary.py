@@ -10,9 +10,10 @@ from typing import Any
 from space_robot_bringup.compose import versions
 from space_robot_bringup.reproduce.claims import Judgement, seed_text
 from space_robot_bringup.reproduce.measures import FlownRun, Measured, reduce
+from space_robot_bringup.reproduce.numbers import Measure
 from space_robot_bringup.reproduce.plan import Plan, PlannedRun, run_label
 from space_robot_bringup.reproduce.reproduction import RUNS, FlownFigure
-from space_robot_bringup.reproduce.spec import Figure, Measure, Table
+from space_robot_bringup.reproduce.spec import Figure, Table
 
 Data = dict[str, Any]
 
@@ -73,11 +74,14 @@ def _claim(judgement: Judgement) -> Data:
         "measures": {name: _measure(claim.measures[name], measured) for name, measured in judgement.measured.items()},
         "runs": judgement.runs,
         "seeds": seed_text(judgement.seeds),
+        "draws": seed_text(judgement.draws),
     }
 
 
 def _measure(measure: Measure, measured: Measured) -> Data:
     where = "".join(f", {key} = {value}" for key, value in measure.where.items())
+    if (partners := measure.only_if) is not None:
+        where += f", where {', '.join(partners.groups)} have {partners.quantity} at the same seed"
     meaning = f"{measure.quantity} of {', '.join(measure.groups)}{where}"
     return {
         "quantity": str(measure.quantity),

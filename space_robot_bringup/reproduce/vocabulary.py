@@ -47,6 +47,10 @@ class Vocabulary:
                 raise SpecError(f"{run.label} cannot be flown: {error}", key=key) from None
         self._of_flight[run.flight.name] = self._of_content[content]
 
+    def learn_case(self, run: PlannedRun, first: PlannedRun) -> None:
+        """Take a case of a campaign to have the names of the first of its point, which has been learnt."""
+        self._of_flight[run.flight.name] = self._of_flight[first.flight.name]
+
     def check_metric(self, name: str, runs: Sequence[PlannedRun], key: str) -> None:
         """Refuse a metric that one of the runs does not have.
 

@@ -13,8 +13,13 @@ from typing import Any
 
 import pytest
 
+from space_robot_bringup.campaign.cases import make_case
+from space_robot_bringup.campaign.fly import fly_case
+from space_robot_bringup.campaign.spec import load_campaign
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.reproduce.fly import Job, fly
+from space_robot_bringup.reproduce.plan import load_plan
 from space_robot_description.validation import parse_yaml_text
 from tests.integration.tool import Tool, refused
 
@@ -350,3 +355,27 @@ def test_an_interrupt_ends_it_without_a_verdict(tmp_path: Path) -> None:
     assert {"end_reason: interrupted", "end_reason: completed"} >= {
         word for log in logs for word in re.findall(r"end_reason: \w+", log.read_text())
     }
+
+
+def test_a_case_has_the_bits_the_campaign_flies(tmp_path: Path) -> None:
+    """Every number of a case is the same whether the campaign flies it or the manifest shows it."""
+    manifest = {"8": {"title": "t", "runs": {"x": {"campaign": "giordano2023/sec5_euler", "runs": 2}}}}
+    (tmp_path / "paper.yaml").write_text(json.dumps({"title": "t", "citation": "c", "figures": manifest}))
+    campaign = load_campaign("giordano2023/sec5_euler")
+    for run in load_plan(str(tmp_path / "paper.yaml")).runs["8"]["x"]:
+        overrides = (*run.flight.overrides, "duration=3.0")
+        shown = fly(Job(run.flight.argument, overrides, tmp_path / run.flight.name, (), (), "none"))
+        data = dict(make_case(campaign, run.values["run"]).data) | {"duration": 3.0}
+        columns = fly_case(data, "case", "none").columns
+        assert shown.completed
+        assert len(shown.metrics) > 50
+        assert shown.metrics == {name: columns[name] for name in shown.metrics}
+
+
+def test_a_draw_that_cannot_be_flown_is_a_failed_run(tmp_path: Path) -> None:
+    """What only one case of a campaign draws is found when it is flown: it fails with its reason, and leaves no bag."""
+    job = Job("liu2023/fig08", ("plant.payload={mass: 1, inertia: [1, 1, 9]}",), tmp_path / "x", (), (), "all")
+    flight = fly(job)
+    assert not flight.completed
+    assert flight.end_reason.startswith("cannot be flown: link payload")
+    assert not (tmp_path / "x").exists()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from space_robot_bringup.campaign.cases import check_cases, make_case
 from space_robot_bringup.campaign.draws import Draw
@@ -90,6 +91,20 @@ def test_points_of_a_grid_get_the_same_draws() -> None:
         assert [case.experiment().plant.hold for case in four] == ["last", "last", "zero", "zero"]
         assert four[0].experiment().controller.gains == {"bandwidth": 0.5}
     assert make_case(campaign(vary=vary, runs=9), 10) == cases[10]
+
+
+def test_a_key_may_repeat_what_is_drawn_for_another() -> None:
+    """``same_as`` gives the value of the other key; a chain, a loop or an unknown key is refused."""
+    again = {"controller.gains.start_deg": {"same_as": "initial.attitude_deg"}}
+    values = drawn(campaign(disperse=again | DISPERSE), 4)
+    assert (
+        values["controller.gains.start_deg"]
+        == values["initial.attitude_deg"]
+        == drawn(campaign(), 4)["initial.attitude_deg"]
+    )
+    for wrong in ({"title": {"same_as": "titel"}}, {"title": {"same_as": "title"}}):
+        with pytest.raises(ValidationError, match="drawn by itself"):
+            campaign(disperse=wrong)
 
 
 def test_a_seed_that_is_said_is_the_seed() -> None:

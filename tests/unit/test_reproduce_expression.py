@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from space_robot_bringup.reproduce.expression import Condition
+from space_robot_bringup.reproduce.expression import Condition, Formula
 from space_robot_msgs_py.errors import SpecError
 
 NAMES = ("late", "worst", "n1")
@@ -74,3 +74,18 @@ def test_a_condition_that_has_no_value_is_an_arithmetic_error(text: str) -> None
     """Division by zero and overflow are errors, never a verdict."""
     with pytest.raises(ArithmeticError):
         Condition(text, NAMES, "holds_if").holds({"late": 0.0, "worst": 1.0, "n1": 1.0})
+
+
+@given(moderate, moderate)
+def test_a_formula_means_what_python_means(late: float, worst: float) -> None:
+    """Arithmetic and the three functions give Python's own number."""
+    values = {"late": late, "worst": worst}
+    for text in ("100 * (1 - late / 7)", "max(late, worst) - min(late, worst)", "-abs(late) + 2"):
+        assert Formula(text, NAMES, "derived").value(values) == eval(text, {}, values)
+
+
+@pytest.mark.parametrize("text", ["late < 1", "not late", "latest - 1", "late +", ""])
+def test_what_is_no_formula_is_refused(text: str) -> None:
+    """A condition where a number is wanted, an unknown name or no expression at all is refused by its key."""
+    with pytest.raises(SpecError, match="derived"):
+        Formula(text, NAMES, "derived")

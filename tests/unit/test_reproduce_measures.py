@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,9 @@ import pytest
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.reproduce.claims import UNDECIDED, check_words, judge, seed_text
 from space_robot_bringup.reproduce.measures import Flight, FlownRun, reduce, select, take
+from space_robot_bringup.reproduce.numbers import Measure, Number, Quantity
 from space_robot_bringup.reproduce.plan import PlannedFlight, PlannedRun
-from space_robot_bringup.reproduce.spec import Bounds, Claim, Figure, Measure, Number, Quantity
+from space_robot_bringup.reproduce.spec import Bounds, Claim, Figure
 from space_robot_bringup.reproduce.timing import CycleTimes
 from space_robot_msgs_py.errors import SpecError
 
@@ -181,3 +183,60 @@ def test_seeds_are_written_shortly() -> None:
     assert seed_text(()) == ""
     assert seed_text((0,)) == "0"
     assert seed_text((1, 2, 3, 7, 9, 10)) == "1-3, 7, 9-10"
+
+
+def test_an_integral_holds_every_value_until_the_next_tick() -> None:
+    """Of a held command the integral is exact, also over unequal periods, and the last value lasts no time."""
+    time, signal = np.array([0.0, 1.0, 3.0, 4.0]), np.array([2.0, 3.0, 5.0, 99.0])
+    assert take(Quantity(signal="x", take="integral"), time, signal) == 2.0 + 6.0 + 5.0
+    assert take(Quantity(signal="x", take="integral", after=1.0), time, signal) == 6.0 + 5.0
+
+
+def test_settled_is_the_first_time_from_which_a_signal_stays_below() -> None:
+    """A signal that comes back has not settled before, and one that ends outside never has."""
+    time, signal = np.arange(5.0), np.array([4.0, 0.1, -2.0, 0.1, 0.2])
+    assert take(Quantity(signal="x", take="settled", below=1.0), time, signal) == 3.0
+    assert take(Quantity(signal="x", take="settled", below=5.0), time, signal) == 0.0
+    assert take(Quantity(signal="x", take="settled", below=0.2), time, signal) is None
+
+
+def test_ticks_without_a_value_do_not_count() -> None:
+    """NaN says that a signal has no value at a tick; a signal without any has no number."""
+    time, signal = np.arange(3.0), np.array([np.nan, 2.0, 4.0])
+    assert take(Quantity(signal="x", take="mean"), time, signal) == 3.0
+    assert take(Quantity(signal="x", take="max"), time, np.full(3, np.nan)) is None
+
+
+def test_pairs_are_judged_where_both_have_the_number() -> None:
+    """``only_if`` leaves the runs whose partners of the same seed have a number, in every group it names."""
+    quick = flown(flight(1.0), flight(2.0), flight(None), group="quick")
+    slow = flown(flight(5.0), flight(9.0, reason="controller: had enough"), flight(7.0), group="slow")
+    partners = {"metric": "settling", "of": ["quick", "slow"]}
+    measure = {"metric": "settling", "of": "slow", "reduce": "sum", "missing": "skip"}
+    both = claim(
+        measures={"both": measure | {"only_if": partners}, "all": measure},
+        holds_if="both < all",
+        found="{both:.0f} of {all:.0f}",
+    )
+    assert judge(both, figure(both), [*quick, *slow]).found == "5 of 12"
+    nobody = claim(measures={"slowest": measure | {"only_if": {"metric": "settling", "of": ["slow", "absent"]}}})
+    assert judge(nobody, figure(nobody), slow).found.startswith("0.0 s over 0 runs")
+
+
+def test_derived_numbers_are_formulas_over_the_measures() -> None:
+    """A claim may speak of a saving: computed once, usable in condition and text, undecided where it has no value."""
+    saving = claim(derived={"saving": "100 * (1 - slowest / 8)"}, holds_if="saving > 50", found="{saving:.0f} %")
+    assert judge(saving, figure(saving), flown(flight(2.0))).found == "75 %"
+    nothing = claim(derived={"part": "1 / (slowest - slowest)"}, holds_if="part > 50")
+    assert judge(nothing, figure(nothing), flown(flight(2.0))).verdict == UNDECIDED
+    for wrong in ({"n": "1 + 1"}, {"slowest": "1 + 1"}, {"part": "other * 2"}):
+        with pytest.raises(SpecError, match="figures"):
+            check_words(claim(derived=wrong), "figures.8.claims.0")
+
+
+def test_draws_of_a_campaign_are_counted_as_such() -> None:
+    """Runs of a campaign are told by their number, not by a drawn seed of sixteen digits."""
+    runs = flown(flight(1.0), flight(2.0))
+    cases = [(replace(run, values={"run": place}), one) for place, (run, one) in enumerate(runs)]
+    judged = judge(claim(), figure(claim()), cases)
+    assert (judged.seeds, judged.draws) == ((), (0, 1))

@@ -9,7 +9,9 @@ from typing import Any
 
 import pytest
 
-from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.campaign.cases import make_case
+from space_robot_bringup.campaign.spec import load_campaign
+from space_robot_bringup.experiment import dump_yaml, load_experiment
 from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan, picture_name
 from space_robot_msgs_py.errors import SpecError
 
@@ -143,3 +145,73 @@ def test_figures_are_chosen_in_the_order_of_the_manifest(tmp_path: Path) -> None
     assert choose_figures(manifest, ["b", "a"]) == ["a", "b"]
     with pytest.raises(SpecError, match=r"--figure: no such figure; got 'd'"):
         choose_figures(manifest, ["d"])
+
+
+CAMPAIGN = """
+experiment: liu2023/fig08
+set: {duration: 2.0, expect: {}}
+runs: 3
+seed: 5
+disperse:
+  initial.attitude_deg: {rotation: {max_deg: 20}}
+  reference.joints_deg: {uniform: {low: [80, 50, 50, 0], high: [90, 60, 60, 5]}}
+  plant.sensors.attitude.noise: {uniform: {low: 0.0, high: 1.0e-4}}
+vary:
+  plant.delay_periods: [0, 1]
+  controller.gains: {soft: {lambda: 0.5}, hard: {lambda: 1.0}}
+"""
+
+
+def test_the_cases_of_a_campaign_become_its_runs(tmp_path: Path) -> None:
+    """Each run is the experiment of its case, with the robot by name; the command gives it; labels tell them apart."""
+    (tmp_path / "c.yaml").write_text(CAMPAIGN)
+    campaign = load_campaign(str(tmp_path / "c.yaml"))
+    runs = plan(tmp_path, "x: {campaign: c.yaml, at: {plant.delay_periods: 1}}").runs["a"]["x"]
+    labels = [f"x gains {gains}, run {number}" for gains in ("soft", "hard") for number in range(3)]
+    assert [run.label for run in runs] == labels
+    for run, point in zip(runs, [2, 2, 2, 3, 3, 3], strict=True):
+        case = make_case(campaign, run.values["run"] * 4 + point)
+        want = case.experiment().model_copy(update={"robot": "mini"})
+        assert run.flight.experiment == want
+        _, _, argument, *options = shlex.split(run.flight.command)
+        assert load_experiment(argument, options[1::2]) == want
+        assert (run.seed, run.source) == (case.seed, ("draw", case.run))
+    assert {run.values["controller.gains"] for run in runs} == {"soft", "hard"}
+    assert len({run.flight.name for run in runs}) == 6
+
+
+def test_what_is_set_of_a_campaign_changes_no_draw(tmp_path: Path) -> None:
+    """``set`` comes last, ``runs`` takes the first of the campaign's runs: partners keep their draws and seeds."""
+    (tmp_path / "c.yaml").write_text(CAMPAIGN)
+    at = "at: {plant.delay_periods: 0, controller.gains: soft}"
+    made = plan(
+        tmp_path,
+        f"x: {{campaign: c.yaml, {at}}}, y: {{campaign: c.yaml, runs: 2, {at}, set: {{controller.gains.lambda: 3}}}}",
+    ).runs["a"]
+    for x, y in zip(made["x"], made["y"], strict=False):
+        assert x.flight.experiment.initial == y.flight.experiment.initial
+        assert (x.seed, x.label.replace("x", "y")) == (y.seed, y.label)
+    assert [run.flight.experiment.controller.gains for run in made["y"]] == [{"lambda": 3}] * 2
+
+
+@pytest.mark.parametrize(
+    ("group", "words"),
+    [
+        ("campaign: fig08_dispersd", ("figures.a.runs.x", "fig08_dispersed")),
+        ("campaign: c.yaml, experiment: liu2023/fig08", ("figures.a.runs.x", "experiment or campaign")),
+        ("campaign: c.yaml, seeds: [1]", ("figures.a.runs.x", "runs and at")),
+        ("campaign: c.yaml, runs: 0", ("figures.a.runs.x.runs", "0")),
+        ("campaign: c.yaml, at: {plant.delay_periods: 2}", ("figures.a.runs.x.at", "plant.delay_periods")),
+        ("experiment: liu2023/fig08, at: {plant.delay_periods: 0}", ("figures.a.runs.x", "campaign")),
+        ("campaign: whole.yaml", ("figures.a.runs.x.campaign", "names one")),
+    ],
+)
+def test_bad_campaign_groups_are_refused_by_their_key(tmp_path: Path, group: str, words: tuple[str, ...]) -> None:
+    """A campaign that is not there, or is asked for what it does not have, is one line."""
+    (tmp_path / "c.yaml").write_text(CAMPAIGN)
+    experiment = dump_yaml({"experiment": load_experiment("liu2023/fig08").model_dump(mode="json"), "runs": 1})
+    (tmp_path / "whole.yaml").write_text(experiment)
+    with pytest.raises(SpecError) as refusal:
+        plan(tmp_path, f"x: {{{group}}}")
+    for word in words:
+        assert word in str(refusal.value)

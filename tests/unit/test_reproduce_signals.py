@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from space_robot_bringup.attitude_path import axis_distances, path_ratio
 from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.metrics import measure
 from space_robot_bringup.reproduce.signals import PARAMETERS, Signals, signal_names
 from space_robot_bringup.run import run_experiment
+from space_robot_bringup.tool_error import tool_errors
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.log_reader import LogReader
 
@@ -42,7 +44,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Signals, Path]:
 
 
 def test_every_name_gives_one_number_per_tick(flown: tuple[Signals, Path]) -> None:
-    """What is offered before a flight is there after it, finite, over the whole run."""
+    """What is offered before a flight is there after it, finite over the whole run; an axis only while it turns."""
     signals, _ = flown
     names, law_tells = signal_names(signals.composition)
     assert law_tells
@@ -50,7 +52,7 @@ def test_every_name_gives_one_number_per_tick(flown: tuple[Signals, Path]) -> No
     for name in names:
         values = signals.of(name)
         assert values.shape == signals.arrays.time.shape, name
-        assert np.isfinite(values).all(), name
+        assert np.isfinite(values).all() or name == "base.axis_distance", name
 
 
 def test_errors_are_those_of_the_metrics(flown: tuple[Signals, Path]) -> None:
@@ -84,6 +86,31 @@ def test_totals_are_norms_and_elements_are_elements(flown: tuple[Signals, Path])
     assert np.allclose(signals.of("command.torque"), np.linalg.norm(torque, axis=0))
     joints = np.array([signals.of(f"{name}.error") for name in signals.composition.joint_names])
     assert np.array_equal(signals.of("joints.error"), np.abs(joints).max(axis=0))
+
+
+def test_paths_and_tools_are_those_of_their_functions(flown: tuple[Signals, Path]) -> None:
+    """The path ends at its ratio, an axis has a distance while the base turns, the tool is that of the true robot."""
+    signals, _ = flown
+    q, q_d = signals.arrays.plant["true_configuration"], signals.arrays.q_d
+    assert signals.of("base.path")[-1] == path_ratio(q[:, 3:7], q_d[-1, 3:7])
+    distances, turning = axis_distances(q[:, 3:7], signals.arrays.plant["true_velocity"][:, 3:6], q_d[-1, 3:7])
+    shown = signals.of("base.axis_distance")
+    assert np.array_equal(np.isfinite(shown), turning)
+    assert np.array_equal(shown[turning], distances[turning])
+    position, angle = tool_errors(signals.composition.truth, q, q_d)
+    assert np.array_equal(signals.of("tool.position_error"), position)
+    assert np.array_equal(signals.of("tool.attitude_error"), np.degrees(angle))
+    half = np.radians(signals.of("base.error")) / 2.0
+    assert np.allclose(signals.of("base.error_quaternion"), np.sin(half))
+
+
+def test_without_a_way_to_go_there_is_no_path(tmp_path: Path) -> None:
+    """A base that is to stay where it is has neither a geodesic nor an axis to compare."""
+    experiment = load_experiment("liu2023/fig08", ["duration=1.0", "reference={kind: hold}"])
+    run_experiment(experiment, tmp_path / "bag", mode="headless")
+    signals = Signals(LogReader(tmp_path / "bag").arrays(), compose(experiment))
+    assert np.isnan(signals.of("base.path")).all()
+    assert np.isnan(signals.of("base.axis_distance")).all()
 
 
 def test_parameters_are_of_the_robot_they_say(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

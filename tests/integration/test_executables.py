@@ -1,0 +1,56 @@
+"""The executables that a package offers beside ``controller``, each with its own law."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from space_robot_bringup.graph import reserved_domain
+from space_robot_description.validation import parse_yaml_text
+from space_robot_msgs_py.log_reader import LogReader
+
+pytest.importorskip("rclpy")
+pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(("name", "block"), [("adaptive", "parameters"), ("ntsmc", "adaptive_gain")])
+def test_the_executable_flies_an_experiment_of_another_law(tmp_path: Path, name: str, block: str) -> None:
+    """With simulator, guidance and recorder beside it, the executable flies its law, and the log has its telemetry."""
+    run = tmp_path / "run"
+    common = ["--experiment", "point_to_point/ur5_sat", "--out", str(run), "--set", "duration=5.0"]
+    law = ["--set", f"controller.law={name}"]
+    nodes = {"space_robot_sim": ("recorder", "simulator"), "space_robot_control": ("guidance", f"{name}_controller")}
+    with reserved_domain() as domain:
+        environment = os.environ | {"ROS_DOMAIN_ID": str(domain), "PATH": f"{_bin()}:{os.environ['PATH']}"}
+        children = [
+            subprocess.Popen(
+                ["sh", str(ROOT / "lib" / package / node), *common, *([] if node.endswith("_controller") else law)],
+                env=environment,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+            for package, names in nodes.items()
+            for node in names
+        ]
+        said = [child.communicate(timeout=60)[1] for child in children]
+    assert [child.returncode for child in children] == [0, 0, 0, 0], said
+    reader = LogReader(run)
+    assert reader.end_reason == "completed"
+    assert law_of(reader.header.experiment) == name
+    assert block in reader.arrays().controller
+
+
+def law_of(text: str) -> str:
+    """The law a log says it was flown by."""
+    return str(parse_yaml_text(text, "log")["controller"]["law"])
+
+
+def _bin() -> Path:
+    """Where ``python3`` is this interpreter: in the source tree the executables have none beside them."""
+    return Path(sys.executable).parent
