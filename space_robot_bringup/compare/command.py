@@ -109,8 +109,6 @@ def _checked(order: Order) -> dict[str, Campaign]:
 
 
 def _fly(order: Order, name: str, campaign: Campaign, err: Console, warn: Callable[[str], None]) -> CampaignResult:
-    if not order.as_json:
-        err.print(f"{name}: {campaign.cases} runs", markup=False)
     return command.fly(
         campaign,
         order.directory / name,

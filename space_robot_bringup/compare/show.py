@@ -19,7 +19,7 @@ def show(
     """Print one table per metric, what a cycle costs and why flights ended."""
     console.print(comparison.title or comparison.name, style="bold", markup=False)
     for metric in metrics:
-        table = Table(box=SIMPLE_HEAD, title=METRICS[metric], title_justify="left")
+        table = Table(box=SIMPLE_HEAD, title=escape(METRICS[metric]), title_justify="left")
         for place, heading in enumerate(headings(comparison)):
             table.add_column(heading, justify="left" if place < 2 else "right", no_wrap=place < 2)
         for row in rows_of(comparison, metric):

@@ -11,7 +11,7 @@ LEGEND = (
     "Medians over the completed runs. (k/N): only k of N runs settled. "
     "ended n: so many flights ended before their time; no number of theirs counts."
 )
-COST = "median of one update [us]: wall clock of this machine, the same on no other"
+COST = "median of one update [us], wall clock of this machine"
 
 
 def rows_of(comparison: Comparison, metric: str) -> list[list[str]]:
@@ -40,7 +40,7 @@ def text(cell: Cell, metric: str) -> str:
 
 def words(condition: Mapping[str, Any]) -> str:
     """A condition in few words: the last part of each key and its label."""
-    return ", ".join(f"{key.rpartition('.')[2]} {label}" for key, label in condition.items())
+    return ", ".join(f"{key.rpartition('.')[2].replace('_', ' ')}: {label}" for key, label in condition.items())
 
 
 def markdown(comparisons: Sequence[Comparison], costs: Mapping[str, Mapping[str, float | None]]) -> str:
