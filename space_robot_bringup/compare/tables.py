@@ -8,7 +8,7 @@ from typing import Any
 from space_robot_bringup.compare.comparison import METRICS, Cell, Comparison
 
 LEGEND = (
-    "Medians over the completed runs. (k/N): only k of N runs settled. "
+    "Medians over the completed runs that have the number. (k/N): only k of N runs settled. "
     "ended n: so many flights ended before their time; no number of theirs counts."
 )
 COST = "median of one update [us], wall clock of this machine"
