@@ -189,6 +189,34 @@ def campaign(
         raise typer.Exit(FAILED)
 
 
+@app.command("compare")
+def compare_laws(
+    files: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[FILE]...", help="campaigns that vary the law; default: compare_mini compare_servicer"),
+    ] = None,
+    runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
+    workers: Annotated[int | None, typer.Option(help="local worker processes; default: one per core")] = None,
+    directory: Annotated[Path, typer.Option("--out", help="directory")] = Path("out/compare"),
+    resume: Annotated[bool, typer.Option("--resume", help="go on with what is in the directory")] = False,
+    metric: Annotated[
+        list[str] | None, typer.Option("--metric", metavar="NAME", help="print only this table; may be given often")
+    ] = None,
+    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write all tables")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Fly laws side by side on one task and print what each did at each period."""
+    try:
+        from space_robot_bringup.compare.command import Order, carry_out
+    except ImportError as error:
+        raise SpecError(f"compare needs Dask and more ({error})", accepted="install space-robot[campaign]") from None
+
+    campaigns = tuple(files or ("compare_mini", "compare_servicer"))
+    order = Order(campaigns, directory, runs, workers, resume, tuple(metric or ()), markdown, as_json)
+    if not carry_out(order, out, err, _warn):
+        raise typer.Exit(FAILED)
+
+
 @app.command()
 def reproduce(
     paper: Annotated[str, typer.Argument(help="shipped name such as liu2023, or manifest file")],

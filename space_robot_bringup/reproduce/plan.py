@@ -211,7 +211,7 @@ class _Planner:
             flight = self._flight(argument, {**case.values, **group.set}, words, key)
             varied = {name: value for name, value in case.labels.items() if name not in group.at}
             values = {**case.values, **group.set, **case.labels, "run": case.run}
-            yield PlannedRun(_label(label, {**varied, "run": case.run}), label, values, flight)
+            yield PlannedRun(run_label(label, {**varied, "run": case.run}), label, values, flight)
 
     def _beside(self, name: str) -> str:
         beside = self._folder / name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter_ns
@@ -11,7 +12,9 @@ import numpy as np
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.reproduce.measures import CYCLE_TIMES
+from space_robot_control.laws.base import Law
 from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.interfaces import Reference, RobotState
 from space_robot_msgs_py.log_reader import LogReader
 
 NANOSECONDS_PER_MICROSECOND = 1e3
@@ -44,7 +47,22 @@ def time_law(argument: str, overrides: tuple[str, ...], log: Path, repeats: int)
         The times; None if the law fails on these states.
     """
     ticks = [(tick.sample.state, tick.reference) for tick in LogReader(log).ticks()]
-    law = compose(load_experiment(argument, overrides)).controller()
+    return time_updates(compose(load_experiment(argument, overrides)).controller(), ticks, repeats)
+
+
+def time_updates(law: Law, ticks: Sequence[tuple[RobotState, Reference]], repeats: int) -> CycleTimes | None:
+    """Time ``update`` of a law over states and references; see ``time_law``.
+
+    Args:
+        law: fresh.
+        ticks: of its flight, in order.
+        repeats: number of updates timed.
+
+    Returns:
+        The times; None if there are no ticks or the law fails on these states.
+    """
+    if not ticks:
+        return None
     spent = np.empty(repeats)
     try:
         # A first lap, not counted, fills the caches.

@@ -112,9 +112,9 @@ def shell_lines(page: str) -> list[str]:
 
 
 def commands() -> list[str]:
-    """Every ``space-robot ...`` that a page or an example shows with arguments; those of campaigns need an order."""
+    """Every ``space-robot ...`` that a page or an example shows with arguments; those of campaigns and comparisons need an order."""
     shown = [found for text in PAGES.values() for found in re.findall(r"`(space-robot [a-z][^`\n]*)`", text)]
-    shown += [line for page in PAGES if page != "campaigns.md" for line in shell_lines(page)]
+    shown += [line for page in PAGES if page not in ("campaigns.md", "compare.md") for line in shell_lines(page)]
     return sorted(
         {*shown, *(line for text in EXAMPLES.values() for line in re.findall(r"^ +(space-robot .*)$", text, re.M))}
     )
@@ -147,6 +147,26 @@ def test_commands_of_the_campaign_page_work_in_their_order(tmp_path: Path, monke
         words = shlex.split(line.replace("FILE", "fig08_dispersed"))
         words += ["--runs", "3"] if "campaign" in words else ["--mode", "headless"]
         monkeypatch.setattr(sys, "argv", words)
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 0, line
+
+
+def test_commands_of_the_comparison_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly and show, fly and write, and show what was flown again."""
+    small = {
+        "experiment": "compare/mini",
+        "set": {"duration": 2.0, "reference.duration": 1.0, "reference.joints_by_deg": 1},
+        "runs": 1,
+        "vary": {"controller.law": ["computed_torque", "pd"]},
+    }
+    (tmp_path / "small.yaml").write_text(dump_yaml(small), encoding="utf-8")
+    (tmp_path / "runs").mkdir()
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("compare.md") if line]
+    assert len(lines) == 3
+    for line in lines:
+        monkeypatch.setattr(sys, "argv", shlex.split(line.replace("FILE", "small.yaml")))
         with pytest.raises(SystemExit) as end:
             main()
         assert end.value.code == 0, line
