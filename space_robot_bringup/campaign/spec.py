@@ -104,15 +104,16 @@ def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
         InputFileError: there is no such file.
         SpecError: a key or value cannot be used.
     """
-    path = campaign_path(name_or_path)
-    campaign = _with_files(read_campaign(name_or_path, runs), path.parent)
+    path, campaign = campaign_path(name_or_path), read_campaign(name_or_path, runs)
     return campaign.model_copy(update={"experiment": _experiment(campaign, path), "set": {}})
 
 
 def read_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
-    """The campaign as its file says it; see ``load_campaign``."""
-    data = parse_yaml(campaign_path(name_or_path))
-    return validate(Campaign, data if runs is None else data | {"runs": runs}, str(name_or_path))
+    """The campaign as its file says it, with paths beside that file made whole; see ``load_campaign``."""
+    path = campaign_path(name_or_path)
+    data = parse_yaml(path)
+    campaign = validate(Campaign, data if runs is None else data | {"runs": runs}, str(name_or_path))
+    return _with_files(campaign, path.parent)
 
 
 def campaign_path(name_or_path: str) -> Path:

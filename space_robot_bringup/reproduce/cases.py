@@ -11,7 +11,7 @@ from space_robot_bringup.campaign.cases import make_case
 from space_robot_bringup.campaign.spec import Campaign, campaign_path, load_campaign, read_campaign
 from space_robot_bringup.reproduce.spec import RunGroup
 from space_robot_description.share import is_file
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import InputFileError, SpecError
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +38,15 @@ def campaign_cases(group: RunGroup, folder: Path, key: str) -> tuple[str, Iterat
         key: of the group, for errors.
 
     Raises:
-        SpecError: no point of the grid has the wanted values, or the campaign holds its experiment itself.
+        SpecError: there is no such campaign, it holds its experiment itself, or no point has the wanted values.
     """
     beside = folder / group.campaign
     name = str(beside) if is_file(beside) else group.campaign
-    path = campaign_path(name)
-    written, resolved = read_campaign(name, group.runs), load_campaign(name, group.runs)
+    try:
+        path = campaign_path(name)
+        written, resolved = read_campaign(name, group.runs), load_campaign(name, group.runs)
+    except InputFileError as error:
+        raise SpecError(str(error), key=key) from None
     if not isinstance(written.experiment, str):
         raise SpecError("holds its experiment itself", key=f"{key}.campaign", accepted="a campaign that names one")
     wanted = [at for at in range(resolved.points) if group.at.items() <= resolved.point(at).labels.items()]
@@ -54,7 +57,7 @@ def campaign_cases(group: RunGroup, folder: Path, key: str) -> tuple[str, Iterat
         )
     experiment = path.parent / written.experiment
     argument = str(experiment) if is_file(experiment) else written.experiment
-    return argument, _cases(resolved, {**written.set}, wanted)
+    return argument, _cases(resolved, written.set, wanted)
 
 
 def _cases(campaign: Campaign, constant: Mapping[str, Any], points: list[int]) -> Iterator[CaseRun]:

@@ -81,8 +81,8 @@ class Number(Asked):
     )
 
 
-class Partners(Asked):
-    """What the runs of the same seed in these groups must have, each of them."""
+class OfGroups(Asked):
+    """A number of the runs of some groups."""
 
     of: str | Texts = Field(description="group, or groups")
 
@@ -92,16 +92,14 @@ class Partners(Asked):
         return (self.of,) if isinstance(self.of, str) else self.of
 
 
-class Measure(Number):
+class Partners(OfGroups):
+    """What the runs of the same seed in these groups must have, each of them."""
+
+
+class Measure(Number, OfGroups):
     """A number over the runs of one or more groups of the figure."""
 
-    of: str | Texts = Field(description="group, or groups")
     where: dict[str, Any] = Field(default_factory=dict, description="only runs whose set or swept key has this value")
     only_if: Partners | None = Field(
         default=None, description="only runs whose partners of the same seed have this number: pairs, not two samples"
     )
-
-    @property
-    def groups(self) -> tuple[str, ...]:
-        """The groups named."""
-        return (self.of,) if isinstance(self.of, str) else self.of

@@ -186,7 +186,8 @@ class _Planner:
         """The runs of a group, swept values or points first, seeds or draws innermost."""
         if group.campaign:
             return tuple(self._cases(label, group, key))
-        argument = self._beside(group.experiment)
+        beside = self._folder / group.experiment
+        argument = str(beside) if is_file(beside) else group.experiment
         axes: dict[str, tuple[Any, ...]] = dict(group.sweep)
         if group.seed_list:
             axes["seed"] = group.seed_list
@@ -202,20 +203,13 @@ class _Planner:
         return tuple(runs)
 
     def _cases(self, label: str, group: RunGroup, key: str) -> Iterator[PlannedRun]:
-        try:
-            argument, cases = campaign_cases(group, self._folder, key)
-        except InputFileError as error:
-            raise SpecError(str(error), key=key) from None
+        argument, cases = campaign_cases(group, self._folder, key)
         for case in cases:
-            words = [Path(group.campaign).stem, *_words(case.labels), *_words(group.set), f"{case.run:03d}"]
+            words = [Path(group.campaign).stem, *_words({**case.labels, **group.set}), f"{case.run:03d}"]
             flight = self._flight(argument, {**case.values, **group.set}, words, key)
             varied = {name: value for name, value in case.labels.items() if name not in group.at}
             values = {**case.values, **group.set, **case.labels, "run": case.run}
             yield PlannedRun(run_label(label, {**varied, "run": case.run}), label, values, flight)
-
-    def _beside(self, name: str) -> str:
-        beside = self._folder / name
-        return str(beside) if is_file(beside) else name
 
     def _flight(self, argument: str, values: Mapping[str, Any], words: Sequence[str], key: str) -> PlannedFlight:
         # JSON is YAML: the value reads back as it stands in the manifest (a date as its text).
