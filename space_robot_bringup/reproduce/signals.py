@@ -112,7 +112,8 @@ class Signals:
         if field == "error":
             return self.errors[:, index]
         if field == "rate":
-            return self._velocity()[:, index] * self._scale[index]
+            rate: Vector = self._velocity()[:, index] * self._scale[index]
+            return rate
         q = self.arrays.plant["true_configuration"] if field == "value" else self.arrays.q_d
         if index < 3:
             return q[:, index]
