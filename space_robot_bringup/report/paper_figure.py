@@ -1,4 +1,4 @@
-"""One figure of a paper as a picture: panels over time, then charts of numbers."""
+"""One figure of a paper as a picture: panels over time, then charts of numbers, then maps."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from matplotlib.colors import is_color_like
 
 from space_robot_bringup.report.chart import draw_chart, plain
 from space_robot_bringup.report.curves import Curve, curves_of
+from space_robot_bringup.report.stability import draw_stability
 from space_robot_bringup.reproduce.reproduction import FlownFigure
 from space_robot_bringup.reproduce.spec import Drawing, Figure
 from space_robot_msgs_py.errors import LogError, SpecError
@@ -54,8 +55,8 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
     Raises:
         LogError: the picture cannot be written.
     """
-    panels, charts = flown.figure.panels, flown.figure.charts
-    rows = len(panels) + len(charts)
+    panels, charts, maps = flown.figure.panels, flown.figure.charts, flown.figure.maps
+    rows = len(panels) + len(charts) + len(maps)
     if not rows:
         return False
     with mpl.rc_context(LOOK):
@@ -63,9 +64,11 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
         picture, axes = plt.subplots(rows, 1, figsize=size, layout="constrained", squeeze=False)
         try:
             _draw_panels(flown, axes[: len(panels), 0])
-            for axis, chart in zip(axes[len(panels) :, 0], charts, strict=True):
+            for axis, chart in zip(axes[len(panels) : rows - len(maps), 0], charts, strict=True):
                 draw_chart(axis, chart, flown)
                 _dress(axis, chart, str(chart.measure.quantity))
+            for axis, wanted in zip(axes[rows - len(maps) :, 0], maps, strict=True):
+                draw_stability(axis, wanted)
             picture.savefig(path, dpi=130, format="png")
         except OSError as error:
             raise LogError(f"the picture cannot be written: {error.strerror or error}", key=str(path)) from None

@@ -65,10 +65,14 @@ def _troubles(console: Console, figure: Data) -> None:
 
 
 def heading(figure: Data) -> str:
-    """What a figure is called: ``Figure 8`` for 8, ``Table 2`` for table2, its own name otherwise."""
-    table = re.fullmatch(r"table[ -]?(\d+)", figure["name"])
-    number = f"Figure {figure['name']}" if figure["name"].isdecimal() else figure["name"]
-    name = f"Table {table[1]}" if table else number
+    """What a figure is called: ``Figure 8``, ``Figures 6-9``, ``Table 2`` for 8, 6-9, table2, else its own name."""
+    name = figure["name"]
+    if name.isdecimal():
+        name = f"Figure {name}"
+    elif re.fullmatch(r"\d+-\d+", name):
+        name = f"Figures {name}"
+    elif table := re.fullmatch(r"table[ -]?(\d+)", name):
+        name = f"Table {table[1]}"
     beyond = " (beyond the paper)" if figure["kind"] == "beyond" else ""
     return f"{name}: {figure['title']}{beyond}"
 

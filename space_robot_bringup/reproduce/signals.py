@@ -18,7 +18,7 @@ from space_robot_msgs_py.interfaces import PlantSample, Vector
 from space_robot_msgs_py.log_arrays import LogArrays
 
 PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
-AXIS_FIELDS = ("value", "reference", "error")
+AXIS_FIELDS = ("value", "reference", "error", "rate")
 # Of inertial parameters; the last two are known where the law tells its estimate.
 KINDS = ("truth", "prior", "estimate", "mismatch")
 TOTALS = ("base.error", "base.position_error", "joints.error")
@@ -32,7 +32,8 @@ def signal_names(composition: Composition) -> tuple[list[str], bool]:
     """Every name that ``Signals.of`` knows for runs of this composition, and whether the law said what it shows.
 
     - ``<axis>.value | reference | error``, axes as in the metrics, ``base/x`` to ``base/z`` of every robot [deg or m];
-    - ``base.error`` (angle), ``joints.error`` (largest) [deg], ``base.position_error`` [m];
+    - ``<axis>.rate``: velocity in inertial axes, angular velocity in body axes [deg/s or m/s];
+    - ``base.error`` (angle), ``joints.error`` (largest of those that turn) [deg], ``base.position_error`` [m];
     - ``base.axis_distance`` [-] and ``base.path`` [-] so far, see ``attitude_path``; NaN where there is no axis, or no
       geodesic; ``tool.position_error`` [m], ``tool.attitude_error`` [deg] of a robot that has a tool;
     - ``base.error_quaternion`` (vector part, inertial axes), ``command.force | torque | effort``,
@@ -102,13 +103,20 @@ class Signals:
 
     @cached_property
     def errors(self) -> Matrix:
-        """(K, 6+n) actual minus desired of the true motion: position [m], rotation vector [deg], joints [deg]."""
-        raw = deviations(self.arrays.plant["true_configuration"], self.arrays.q_d)
-        return np.hstack([raw[:, :3], np.degrees(raw[:, 3:])])
+        """(K, 6+n) actual minus desired of the true motion: position [m], rotation vector [deg], joints [deg or m]."""
+        return deviations(self.arrays.plant["true_configuration"], self.arrays.q_d) * self._scale
+
+    @property
+    def _scale(self) -> Vector:
+        """(6+n,) from SI to what is shown, in the order of the axes."""
+        lengths = [True] * 3 + [False] * 3 + list(self.composition.nominal.prismatic)
+        scale: Vector = np.where(lengths, 1.0, np.degrees(1.0))
+        return scale
 
     def _total(self, name: str) -> Vector:
         if name == "joints.error":
-            largest: Vector = np.abs(self.errors[:, 6:]).max(axis=1, initial=0.0)
+            turning = 6 + np.flatnonzero(~np.array(self.composition.nominal.prismatic, dtype=bool))
+            largest: Vector = np.abs(self.errors[:, turning]).max(axis=1, initial=0.0)
             return largest
         return norms(self.errors[:, 3:6] if name == "base.error" else self.errors[:, :3])
 
@@ -140,12 +148,22 @@ class Signals:
         index = _axes(self.composition).index(axis)
         if field == "error":
             return self.errors[:, index]
+        if field == "rate":
+            rate: Vector = self._velocity()[:, index] * self._scale[index]
+            return rate
         q = self.arrays.plant["true_configuration"] if field == "value" else self.arrays.q_d
         if index < 3:
             return q[:, index]
         if index < 6:
             return np.degrees([to_rpy(row[3:7])[index - 3] for row in q])
-        return np.degrees(q[:, index + 1])
+        shown: Vector = q[:, index + 1] * self._scale[index]
+        return shown
+
+    def _velocity(self) -> Matrix:
+        """(K, 6+n) true velocity, linear in inertial axes, angular in body axes, SI."""
+        v, q = self.arrays.plant["true_velocity"], self.arrays.plant["true_configuration"]
+        linear = np.array([rotate(pose, row) for pose, row in zip(q[:, 3:7], v[:, :3], strict=True)])
+        return np.hstack([linear, v[:, 3:]])
 
     def _element(self, source: str, name: str) -> Vector:
         wrench = self.arrays.wrench

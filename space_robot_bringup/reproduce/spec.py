@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
 from space_robot_bringup.reproduce.numbers import Measure, Number, Texts
+from space_robot_bringup.reproduce.stability import StabilityMap
 from space_robot_description.spec import Strict
 
 Verdict = Literal["holds", "does not hold", "not checkable"]
@@ -175,6 +176,7 @@ class Figure(Strict):
     runs: dict[str, RunGroup] = Field(min_length=1, description="label -> runs")
     panels: tuple[Panel, ...] = ()
     charts: tuple[Chart, ...] = ()
+    maps: tuple[StabilityMap, ...] = ()
     tables: tuple[Table, ...] = ()
     timing: Timing | None = None
     diverged: Bounds = Field(default_factory=Bounds)

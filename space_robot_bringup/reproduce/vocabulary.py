@@ -32,14 +32,13 @@ class Vocabulary:
         self._of_content: dict[str, _Words] = {}
 
     def learn(self, run: PlannedRun, key: str) -> None:
-        """Compose a run, unless one that differs only by the noise of its sensors has been.
+        """Compose a run, unless one that differs only by its seed has been: what that draws is known when it flies.
 
         Raises:
             SpecError: it cannot be flown.
         """
         experiment = run.flight.experiment
-        drawn = experiment.plant.dispersion or experiment.nominal.dispersion
-        content = experiment.model_dump_json(exclude=None if drawn else {"seed"})
+        content = experiment.model_dump_json(exclude={"seed"})
         if content not in self._of_content:
             try:
                 self._of_content[content] = _words(experiment)

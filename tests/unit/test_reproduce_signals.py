@@ -76,6 +76,31 @@ def test_joint_errors_are_value_minus_reference(flown: tuple[Signals, Path]) -> 
     assert signals.of("base/roll.error")[0] == pytest.approx(-10.0)
 
 
+def test_rates_are_the_derivatives_of_the_values(tmp_path: Path) -> None:
+    """Of positions and of a turn about one axis, of joints and of slides: the curve is the integral of its rate."""
+    experiment = load_experiment("song2023/position_874_pd", ["initial.attitude_deg=[0, 0, 40]", "duration=10.0"])
+    run_experiment(experiment, tmp_path / "bag", mode="headless")
+    signals = Signals(LogReader(tmp_path / "bag").arrays(), compose(experiment))
+    time = signals.arrays.time
+    for axis in ("base/x", "base/y", "base/yaw", "grasp_x", "grasp_angle"):
+        value, rate = signals.of(f"{axis}.value"), signals.of(f"{axis}.rate")
+        moved = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))])
+        assert np.abs(value - value[0]).max() > 0.0
+        assert moved == pytest.approx(value - value[0], abs=0.02 * np.abs(value - value[0]).max()), axis
+
+
+def test_lengths_of_joints_are_in_metres(tmp_path: Path) -> None:
+    """A slide is shown as the plant holds it, and its metres are no part of the largest joint error in degrees."""
+    experiment = load_experiment("song2023/attitude_6_85_pd", ["duration=3.0"])
+    run_experiment(experiment, tmp_path / "bag", mode="headless")
+    signals = Signals(LogReader(tmp_path / "bag").arrays(), compose(experiment))
+    held = signals.arrays.plant["true_configuration"][:, 7:]
+    assert np.array_equal(signals.of("grasp_x.value"), held[:, 0])
+    assert np.array_equal(signals.of("grasp_y.error"), held[:, 1])
+    assert np.array_equal(signals.of("grasp_angle.value"), held[:, 2] * np.degrees(1.0))
+    assert np.array_equal(signals.of("joints.error"), np.abs(signals.of("grasp_angle.error")))
+
+
 def test_totals_are_norms_and_elements_are_elements(flown: tuple[Signals, Path]) -> None:
     """base.error is an angle, a block without index its norm, joints.error the largest."""
     signals, _ = flown

@@ -1,0 +1,31 @@
+"""The stability map as it is drawn: regions where the loop is stable, marks where the shipped settings are."""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import pytest
+from pydantic import ValidationError
+
+from space_robot_bringup.report.stability import draw_stability
+from space_robot_bringup.reproduce.stability import StabilityMap
+from space_robot_control.mfac.stability import spectral_radius
+
+
+def test_a_drawn_region_is_where_the_loop_is_stable() -> None:
+    """The filled area of a held command holds exactly the stable points, well away from its border."""
+    figure, axis = plt.subplots()
+    try:
+        wanted = StabilityMap(label="y", ratio=(1e-2, 1e2), rho=(1e-3, 1.0), points=40)
+        draw_stability(axis, wanted)
+        region = axis.collections[0].get_paths()
+        for ratio, rho in ((0.5, 0.02), (0.5, 0.9), (5.0, 0.01), (0.1, 0.005)):
+            inside = any(path.contains_point((ratio, rho)) for path in region)
+            assert inside == (spectral_radius(ratio, rho) < 1.0), (ratio, rho)
+    finally:
+        plt.close(figure)
+
+
+def test_what_is_not_an_interval_is_refused() -> None:
+    """A range that does not rise is no map."""
+    with pytest.raises(ValidationError, match="ratio is"):
+        StabilityMap(label="y", ratio=(1.0, 0.1))
