@@ -112,7 +112,7 @@ def shell_lines(page: str) -> list[str]:
 
 
 def commands() -> list[str]:
-    """Every ``space-robot ...`` that a page or an example shows with arguments; those of campaigns and comparisons need an order."""
+    """Every ``space-robot ...`` that a page or an example shows with arguments; some pages need an order."""
     shown = [found for text in PAGES.values() for found in re.findall(r"`(space-robot [a-z][^`\n]*)`", text)]
     shown += [line for page in PAGES if page not in ("campaigns.md", "compare.md") for line in shell_lines(page)]
     return sorted(
