@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("distributed")
 pq = pytest.importorskip("pyarrow.parquet")
 
-from space_robot_bringup.campaign.spec import load_campaign  # noqa: E402
+from space_robot_bringup.campaign.spec import load_campaign, read_campaign  # noqa: E402
 from space_robot_bringup.cli import main  # noqa: E402
 from space_robot_bringup.compare.comparison import METRICS, Comparison, compare  # noqa: E402
 from space_robot_bringup.compare.tables import markdown, rows_of  # noqa: E402
@@ -167,3 +167,15 @@ def test_the_shipped_comparisons_are_fair(name: str) -> None:
     assert isinstance(laws, dict)
     assert {"computed_torque", "adaptive", "ntsmc", "mfac", "pd"} == set(laws)
     assert {tuple(section) for section in laws.values()} == {("law", "gains")}
+
+
+def test_the_short_comparison_is_a_part_of_the_long_one() -> None:
+    """Laws, settings, draws and sensors of ``compare_short`` are those of ``compare_mini``."""
+    short, long = load_campaign("compare_short"), load_campaign("compare_mini")
+    assert short.vary["controller"] == long.vary["controller"]
+    assert (short.disperse, short.seed) == (long.disperse, long.seed)
+    sensors = long.vary["plant.sensors"]
+    assert isinstance(sensors, dict)
+    assert read_campaign("compare_short").set == {"plant.sensors": sensors["noisy"]}
+    assert short.vary["nominal.payload_known"] == long.vary["nominal.payload_known"]
+    assert set(short.vary["control_period"]) <= set(long.vary["control_period"])
