@@ -9,40 +9,29 @@ import json
 import signal
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Never, cast
+from typing import TYPE_CHECKING, Annotated, Any, Never
 
 import typer
-from rich.console import Console
 
+import space_robot_bringup.cli_studies  # noqa: F401  (its commands belong to the same application)
+from space_robot_bringup.cli_app import (
+    BAD_INPUT,
+    FAILED,
+    ExperimentArgument,
+    JsonOption,
+    SetOption,
+    app,
+    err,
+    out,
+    warn,
+)
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 if TYPE_CHECKING:
-    from space_robot_bringup.campaign.fly import Keep
     from space_robot_bringup.experiment import Experiment
     from space_robot_bringup.run import RunResult
 
-FAILED, BAD_INPUT = 1, 2
 MODES = ("headless", "graph", "processes")
-KEPT = ("failed", "all", "none")
-
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    help="Flight software of a space robot, emulated: fly experiments, record them, look at robots.",
-    epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
-)
-# A pipe has no width of its own; 80 columns would cut numbers.
-out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-err = Console(stderr=True, highlight=False)
-
-ExperimentArgument = Annotated[str, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="override one key, e.g. controller.gains.damping=0.7"),
-]
-JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
 
 
 @app.command("list")
@@ -77,7 +66,7 @@ def check(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     for line in review.facts:
         out.print(f"  {line}", markup=False, soft_wrap=True)
     for warning in review.warnings:
-        _warn(warning)
+        warn(warning)
 
 
 @app.command()
@@ -149,94 +138,6 @@ def run(
 
 
 @app.command()
-def campaign(
-    file: Annotated[str, typer.Argument(help="shipped name such as fig08_dispersed, or YAML file")],
-    runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
-    workers: Annotated[int | None, typer.Option(help="local worker processes; default: one per core")] = None,
-    scheduler: Annotated[str | None, typer.Option(help="address of a Dask scheduler instead of local workers")] = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="go on with what is in the directory")] = False,
-    keep: Annotated[str, typer.Option(help=f"whose bags to keep, one of: {', '.join(KEPT)}")] = "failed",
-    as_json: JsonOption = False,
-) -> None:
-    """Fly many runs with what strays drawn anew, and sum them up."""
-    if keep not in KEPT:
-        raise SpecError("no such choice", key="--keep", value=keep, accepted=", ".join(KEPT))
-    try:
-        from space_robot_bringup.campaign import command, show
-    except ImportError as error:
-        raise SpecError(f"campaign needs Dask and more ({error})", accepted="install space-robot[campaign]") from None
-    from space_robot_bringup.campaign.spec import campaign_path, load_campaign
-
-    spec = load_campaign(file, runs)
-    place = directory or Path("runs") / campaign_path(file).stem
-    result = command.fly(
-        spec,
-        place,
-        workers=workers,
-        scheduler=scheduler,
-        resume=resume,
-        keep=cast("Keep", keep),
-        console=err,
-        quiet=as_json,
-        warn=_warn,
-    )
-    if as_json:
-        print(json.dumps(show.as_dict(spec.title, result), allow_nan=False))
-    else:
-        show.campaign(out, spec.title, result)
-    if not result.passed:
-        raise typer.Exit(FAILED)
-
-
-@app.command("compare")
-def compare_laws(
-    files: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[FILE]...", help="campaigns that vary the law; default: compare_mini compare_servicer"),
-    ] = None,
-    runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
-    workers: Annotated[int | None, typer.Option(help="local worker processes; default: one per core")] = None,
-    directory: Annotated[Path, typer.Option("--out", help="directory")] = Path("out/compare"),
-    resume: Annotated[bool, typer.Option("--resume", help="go on with what is in the directory")] = False,
-    metric: Annotated[
-        list[str] | None, typer.Option("--metric", metavar="NAME", help="print only this table; may be given often")
-    ] = None,
-    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write all tables")] = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Fly laws side by side on one task and print what each did at each period."""
-    try:
-        from space_robot_bringup.compare.command import Order, carry_out
-    except ImportError as error:
-        raise SpecError(f"compare needs Dask and more ({error})", accepted="install space-robot[campaign]") from None
-
-    campaigns = tuple(files or ("compare_mini", "compare_servicer"))
-    order = Order(campaigns, directory, runs, workers, resume, tuple(metric or ()), markdown, as_json)
-    if not carry_out(order, out, err, _warn):
-        raise typer.Exit(FAILED)
-
-
-@app.command()
-def reproduce(
-    paper: Annotated[str, typer.Argument(help="shipped name such as liu2023, or manifest file")],
-    figure: Annotated[
-        list[str] | None, typer.Option("--figure", metavar="N", help="only this figure; may be given more than once")
-    ] = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="report directory; default out/<paper>")] = None,
-    workers: Annotated[int | None, typer.Option(help="processes; default: one per core")] = None,
-    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write the claims as a table")] = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Fly the figures of a paper, draw them and judge its claims one by one."""
-    from space_robot_bringup.reproduce.command import Order, carry_out
-
-    order = Order(paper, tuple(figure or ()), directory, workers, markdown, as_json)
-    if not carry_out(order, out, err):
-        raise typer.Exit(FAILED)
-
-
-@app.command()
 def plot(
     log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
     picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
@@ -259,10 +160,6 @@ def schema() -> None:
     print(json.dumps(Experiment.model_json_schema(), indent=2))
 
 
-def _warn(warning: str) -> None:
-    err.print(f"warning: {warning}", style="yellow", markup=False, soft_wrap=True)
-
-
 def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
     from space_robot_bringup.compiling import notice
     from space_robot_bringup.progress import Progress
@@ -272,7 +169,7 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
     if not quiet and (line := notice([spec.controller.law])):
         err.print(line)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
-        hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=_warn)
+        hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=warn)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
 
 

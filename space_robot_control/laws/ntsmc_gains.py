@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
 
 from space_robot_control.laws.base import Law
+from space_robot_control.laws.per_dof import OneForAll
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict, expand
 from space_robot_msgs_py.interfaces import Vector
@@ -21,7 +22,7 @@ Share = Annotated[float, Field(ge=0.0, le=1.0)]
 TABLE_I_JOINTS = (0.1, 0.1, 0.2, 0.2, 0.6)
 
 
-class PerDof(Strict):
+class PerDof(OneForAll):
     """One positive gain per degree of freedom; one number stands for all."""
 
     translation: Axes = Field(default=0.1, description="base translation, one number or per inertial axis")
@@ -29,13 +30,6 @@ class PerDof(Strict):
     joints: Joints | None = Field(
         default=None, description="one number, a list, or a mapping by joint name; default: Table I"
     )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_for_all(cls, data: Any) -> Any:
-        if isinstance(data, (int, float)) and not isinstance(data, bool):
-            return {"translation": data, "rotation": data, "joints": data}
-        return data
 
     def expanded(self, robot: Robot, key: str, joints: Sequence[float]) -> Vector:
         """Return the (6+n,) gains; ``joints`` (n,) stands for joints that are not named.

@@ -15,15 +15,8 @@ Axes = NonNegativeFloat | Annotated[tuple[NonNegativeFloat, ...], Field(min_leng
 Joints = NonNegativeFloat | tuple[NonNegativeFloat, ...] | dict[str, NonNegativeFloat]
 
 
-class PerDof(Strict):
-    """Base translation, base rotation and joints; one number in place of a section stands for all three.
-
-    Subclasses state the unit and give the three fields their defaults.
-    """
-
-    translation: Axes
-    rotation: Axes
-    joints: Joints
+class OneForAll(Strict):
+    """A section of translation, rotation and joints in whose place one number may stand."""
 
     @model_validator(mode="before")
     @classmethod
@@ -31,6 +24,17 @@ class PerDof(Strict):
         if isinstance(data, (int, float)) and not isinstance(data, bool):
             return {"translation": data, "rotation": data, "joints": data}
         return data
+
+
+class PerDof(OneForAll):
+    """Base translation, base rotation and joints.
+
+    Subclasses state the unit and give the three fields their defaults.
+    """
+
+    translation: Axes
+    rotation: Axes
+    joints: Joints
 
     def values(self, robot: Robot, key: str) -> Vector:
         """Return (6+n,) numbers: translation, rotation, joints.

@@ -1,0 +1,35 @@
+"""What all commands share: the application, its two consoles, exit codes and common options."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+FAILED, BAD_INPUT = 1, 2
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    help="Flight software of a space robot, emulated: fly experiments, record them, look at robots.",
+    epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
+)
+# A pipe has no width of its own; 80 columns would cut numbers.
+out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+err = Console(stderr=True, highlight=False)
+
+ExperimentArgument = Annotated[str, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="override one key, e.g. controller.gains.damping=0.7"),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
+
+
+def warn(warning: str) -> None:
+    """Say on stderr what a law warns of."""
+    err.print(f"warning: {warning}", style="yellow", markup=False, soft_wrap=True)
