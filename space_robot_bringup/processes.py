@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 POLL_SECONDS = 0.02
 GRACE_SECONDS = 10.0
+# A node that fails says why before it ends; on a busy machine the recorder takes a while to hear it.
+HEARING_SECONDS = 3.0
 
 
 def fly_processes(
@@ -73,14 +75,16 @@ class _Crew:
 
     def watch(self, hooks: Hooks) -> str:
         """Start who is due, follow the recorder, and end the run when it ends or somebody dies."""
-        asked, give_up = None, float("inf")
+        asked, give_up, seen = None, float("inf"), float("inf")
         while True:
             self._start_due()
             hooks.on_tick(self._tick())
             recorder = self._children.get("recorder")
             if recorder is not None and recorder.poll() is not None:
                 return self._reason(recorder, asked)
-            reason = hooks.stop() or self._casualty()
+            casualty = self._casualty()
+            seen = seen if casualty is None else min(seen, monotonic())
+            reason = hooks.stop() or (casualty if monotonic() - seen > HEARING_SECONDS else None)
             if reason is not None and asked is None:
                 asked, give_up = reason, monotonic() + GRACE_SECONDS
                 self._signal(signal.SIGINT if reason != "terminated" else signal.SIGTERM)
