@@ -18,10 +18,10 @@ from space_robot_bringup.plant_spec import AnyPlant, ModelSpec, PlantSpec
 from space_robot_bringup.recorded import with_recorded_log
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
-from space_robot_description.share import config_dir, is_file, shipped
+from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.spec import PerJoint, Strict, Three
-from space_robot_description.validation import nearest, parse_yaml, parse_yaml_value, validate
-from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
+from space_robot_msgs_py.errors import SpecError
 
 
 class Initial(Strict):
@@ -164,19 +164,8 @@ def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
 
 def experiment_path(name_or_path: str) -> Path:
     """The file of a shipped experiment, or the given path."""
-    path = Path(name_or_path)
-    if is_file(path):
-        return path
-    inside = config_dir() / "experiments" / f"{name_or_path}.yaml"
-    if is_file(inside):
-        return inside
-    names = shipped("experiments")
-    raise InputFileError(
-        "no such experiment file or shipped experiment",
-        key="experiment",
-        value=name_or_path,
-        accepted=f"a YAML file, or one of: {nearest(name_or_path, names) or ', '.join(names)}",
-    )
+    message = "no such experiment file or shipped experiment"
+    return shipped_or_file(name_or_path, "experiments", key="experiment", message=message)
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:

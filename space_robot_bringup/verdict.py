@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from space_robot_bringup.experiment import Expectation
@@ -41,10 +41,7 @@ def check_expectations(expect: Mapping[str, Expectation], names: Sequence[str]) 
     Raises:
         SpecError: with the nearest names.
     """
-    for name in expect:
-        if name not in names:
-            accepted = nearest(name, names) or ", ".join(names)
-            raise SpecError("no such metric", key=f"expect.{name}", accepted=accepted)
+    _check_known(expect, names, "metric", "expect")
 
 
 def check_bands(bands: Mapping[str, float], axes: Sequence[str]) -> None:
@@ -53,10 +50,14 @@ def check_bands(bands: Mapping[str, float], axes: Sequence[str]) -> None:
     Raises:
         SpecError: with the nearest names.
     """
-    for name in bands:
-        if name not in axes:
-            accepted = nearest(name, axes) or ", ".join(axes)
-            raise SpecError("no such axis", key=f"settling_bands.{name}", accepted=accepted)
+    _check_known(bands, axes, "axis", "settling_bands")
+
+
+def _check_known(given: Iterable[str], names: Sequence[str], what: str, section: str) -> None:
+    for name in given:
+        if name not in names:
+            accepted = nearest(name, names) or ", ".join(names)
+            raise SpecError(f"no such {what}", key=f"{section}.{name}", accepted=accepted)
 
 
 def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: str | None) -> tuple[Check, ...]:

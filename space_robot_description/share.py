@@ -6,6 +6,7 @@ import os
 import sys
 from pathlib import Path
 
+from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import InputFileError
 
 DATA = Path("share") / "space_robot" / "config"
@@ -33,6 +34,28 @@ def shipped(kind: str) -> list[str]:
     """Sorted names of the shipped files of a kind, e.g. ``shipped("robots")``, folders with ``/``, without suffix."""
     root = config_dir() / kind
     return sorted(path.relative_to(root).with_suffix("").as_posix() for path in root.rglob("*.yaml"))
+
+
+def shipped_or_file(name_or_path: str, kind: str, *, key: str, message: str) -> Path:
+    """The file of what is shipped under this name, or the given path.
+
+    Args:
+        name_or_path: a path that is a file wins.
+        kind: folder of ``config_dir()``.
+        key: what one of the kind is called, for errors.
+        message: what is wrong where there is neither.
+
+    Raises:
+        InputFileError: there is neither; with the nearest shipped names.
+    """
+    if is_file(path := Path(name_or_path)):
+        return path
+    if is_file(inside := config_dir() / kind / f"{name_or_path}.yaml"):
+        return inside
+    names = shipped(kind)
+    known = nearest(name_or_path, names) or ", ".join(names)
+    accepted = f"a YAML file, or one of: {known}" if known else f"a YAML file (no {key} is shipped)"
+    raise InputFileError(message, key=key, value=name_or_path, accepted=accepted)
 
 
 def is_file(path: Path) -> bool:

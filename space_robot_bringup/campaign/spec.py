@@ -15,10 +15,9 @@ from space_robot_bringup.campaign.draws import Draw
 from space_robot_bringup.experiment import Expectation, experiment_from, experiment_path, located
 from space_robot_bringup.keys import set_key
 from space_robot_description.load import load_robot
-from space_robot_description.share import config_dir, is_file, shipped
+from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.spec import Strict
-from space_robot_description.validation import nearest, parse_yaml, validate
-from space_robot_msgs_py.errors import InputFileError
+from space_robot_description.validation import parse_yaml, validate
 
 # Keys whose value may point at a file beside the campaign file.
 POINTING = ("robot", "reference")
@@ -118,19 +117,8 @@ def read_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
 
 def campaign_path(name_or_path: str) -> Path:
     """The file of a shipped campaign, or the given path."""
-    path = Path(name_or_path)
-    if is_file(path):
-        return path
-    inside = config_dir() / "campaigns" / f"{name_or_path}.yaml"
-    if is_file(inside):
-        return inside
-    names = shipped("campaigns")
-    raise InputFileError(
-        "no such campaign file or shipped campaign",
-        key="campaign",
-        value=name_or_path,
-        accepted=f"a YAML file, or one of: {nearest(name_or_path, names) or ', '.join(names)}",
-    )
+    message = "no such campaign file or shipped campaign"
+    return shipped_or_file(name_or_path, "campaigns", key="campaign", message=message)
 
 
 def _experiment(campaign: Campaign, path: Path) -> dict[str, Any]:

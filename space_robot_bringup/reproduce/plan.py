@@ -15,9 +15,9 @@ from typing import Any
 from space_robot_bringup.experiment import Experiment, experiment_path, overridden
 from space_robot_bringup.reproduce.cases import campaign_cases
 from space_robot_bringup.reproduce.spec import Manifest, RunGroup
-from space_robot_description.share import config_dir, is_file, shipped
+from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.validation import nearest, parse_yaml, validate
-from space_robot_msgs_py.errors import InputFileError, SpaceRobotError, SpecError
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 LONGEST_NAME = 80
 
@@ -132,14 +132,7 @@ def read_manifest(path: Path, where: str) -> Manifest:
 
 def manifest_path(paper: str) -> Path:
     """The manifest of a shipped paper, or the given path."""
-    if is_file(path := Path(paper)):
-        return path
-    if is_file(inside := config_dir() / "papers" / f"{paper}.yaml"):
-        return inside
-    names = shipped("papers")
-    known = nearest(paper, names) or ", ".join(names)
-    accepted = f"a YAML file, or one of: {known}" if known else "a YAML file (no paper is shipped)"
-    raise InputFileError("no such manifest or shipped paper", key="paper", value=paper, accepted=accepted)
+    return shipped_or_file(paper, "papers", key="paper", message="no such manifest or shipped paper")
 
 
 def choose_figures(manifest: Manifest, chosen: Iterable[str]) -> list[str]:
