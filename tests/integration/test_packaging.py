@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import ast
+import os
+import sys
 import zipfile
+from xml.etree import ElementTree
 
 import pytest
 
+from space_robot_msgs_py.topics import TABLE
 from tests.integration.distribution import ROOT, build_wheel, executables
 
 SHARE, DATA = "share/space_robot", "space_robot-0.1.0.data/data"
@@ -39,3 +44,23 @@ def test_the_wheel_is_an_ament_package_with_executables(wheel: zipfile.ZipFile) 
     for place in executables():
         info = held[f"{DATA}/lib/{place}"]
         assert info.external_attr >> 16 & 0o111, f"{place} is not executable"
+
+
+def test_package_xml_names_every_ros_package_that_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What ``rosdep install`` brings is what the nodes import and the topics carry; nothing is forgotten."""
+    index = pytest.importorskip("ament_index_python")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", os.environ.get("AMENT_PREFIX_PATH", sys.prefix))
+    declared = {depend.text for depend in ElementTree.parse(ROOT / "package.xml").iter("exec_depend")}
+    files = [file for name in [*PACKAGES, "launch"] for file in (ROOT / name).rglob("*.py")]
+    nodes = (node for file in files for node in ast.walk(ast.parse(file.read_text())))
+    imported = {module.split(".")[0] for node in nodes for module in _modules(node)}
+    known = {*index.get_packages_with_prefixes(), "launch", "launch_ros"}
+    assert "rclpy" in imported
+    assert imported & known <= declared
+    assert {topic.type.split("/")[0] for topic in TABLE} <= declared
+
+
+def _modules(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    return [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
