@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Metadata
+from mcap.records import Channel, Metadata
 
 from space_robot_msgs_py.codecs import TickCodec, decode_string
 from space_robot_msgs_py.errors import (
@@ -23,7 +23,7 @@ from space_robot_msgs_py.log_arrays import LogArrays, Row, stack_ticks
 from space_robot_msgs_py.log_directory import BAG_SUFFIX
 from space_robot_msgs_py.log_header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log_preamble import END_NAME, RECORDED, log_name
-from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, parse, scan
+from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, parse, parse_attachment, scan
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 
 _NAMES = {log_name(topic): topic.name for topic in RECORDED}
@@ -105,6 +105,11 @@ class LogReader:
             if parts.keys() >= needed:
                 yield stamp, parts
 
+    def stamps(self) -> Iterator[Row]:
+        """Stamp [ns] and messages by topic name of every stamp, complete or not, in order; see ``rows``."""
+        for row, _ in self._groups():
+            yield row
+
     def ticks(self) -> Iterator[Tick]:
         """Every complete tick that fits the robot, in order; equal to what was written, bit for bit.
 
@@ -169,7 +174,7 @@ class LogReader:
                 record = parse(Metadata.read, content, self._key)
                 metadata = record.metadata if record.name == METADATA_NAME else None
             elif opcode == Opcode.ATTACHMENT:
-                attachment = parse(Attachment.read, content, self._key)
+                attachment = parse_attachment(content, self._key)
                 attachments[attachment.name] = attachment.data
             elif opcode in (Opcode.MESSAGE, Opcode.CHUNK, Opcode.SCHEMA):
                 break
