@@ -83,6 +83,10 @@ class SlidingMode:
         """Forget what was adapted."""
         self._estimate = [self._adaptation.initial] * len(self._gamma)
 
+    def adopt(self, estimate: Floats) -> None:
+        """Go on from a K_hat (m,) that was adapted elsewhere [m/s2, rad/s2]."""
+        self._estimate = list(estimate)
+
     @property
     def estimate(self) -> Floats:
         """(m,) K_hat [m/s2, rad/s2]."""

@@ -67,10 +67,18 @@ class TerminalSliding(Law):
         super().__init__(robot, control_period, gains)
         self.model, self.limits = NominalModel(robot), CommandLimits(robot)
         self.skip = 3 if robot.base_mode == "free_floating" else 0
-        gamma, k2 = (gain[self.skip :].tolist() for gain in (self.gains.gamma_of(robot), self.gains.k2_of(robot)))
-        rotation = range(3 - self.skip, 6 - self.skip)
-        self.sliding = SlidingMode(self.gains, gamma, k2, rotation, control_period)
+        self.sliding = self._sliding_mode(self.gains)
         self.observer = DisturbanceObserver(self.gains.disturbance_observer, control_period, 6 + robot.n)
+
+    def retune(self, gains: SlidingGains) -> None:
+        """Go on with other Gamma, K_1, K_2 or Phi and the K_hat that was adapted."""
+        sliding = self._sliding_mode(gains)
+        sliding.adopt(self.sliding.estimate)
+        self.sliding = sliding
+
+    def _sliding_mode(self, gains: SlidingGains) -> SlidingMode:
+        gamma, k2 = (gain[self.skip :].tolist() for gain in (gains.gamma_of(self.robot), gains.k2_of(self.robot)))
+        return SlidingMode(gains, gamma, k2, range(3 - self.skip, 6 - self.skip), self.control_period)
 
     @abstractmethod
     def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> RotationErrors:
