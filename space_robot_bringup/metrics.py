@@ -164,7 +164,8 @@ def _rotation_vectors(goal: Matrix, q: Matrix) -> Matrix:
     vectors = (b * c - d * a - np.cross(a, c)) * np.where(w < 0.0, -1.0, 1.0)[:, None]
     length = np.sqrt((vectors * vectors).sum(axis=1))
     angle, far = 2.0 * np.arctan2(length, np.abs(w)), length > 0.0
-    return vectors * np.divide(angle, length, out=np.full(length.size, 2.0), where=far)[:, None]
+    out: Matrix = vectors * np.divide(angle, length, out=np.full(length.size, 2.0), where=far)[:, None]
+    return out
 
 
 def _axis(

@@ -1,5 +1,6 @@
 import io
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,9 +11,13 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 from ruamel.yaml import YAML
 
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.memory_flight import fly_in_memory, write_bag
 from space_robot_msgs_py.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
+from space_robot_msgs_py.log_arrays import LogArrays, arrays_of
 from space_robot_msgs_py.log_preamble import log_name
 from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.log_recover import recover
@@ -323,3 +328,16 @@ def test_nothing_of_this_machine_is_in_the_file(killed):
             _, _, log_time, publish_time = MESSAGE.unpack_from(content)
             times |= {log_time, publish_time}
     assert times == {k * values.PERIOD for k in range(COUNT)}
+
+
+def test_ticks_in_memory_stack_like_a_log_of_them(tmp_path: Path) -> None:
+    """``arrays_of`` gives the arrays that the log of the same ticks gives, bit for bit."""
+    composition = compose(load_experiment("liu2023/fig08", ("duration=1.0",)))
+    sink = fly_in_memory(composition)
+    write_bag(sink, composition, tmp_path / "run")
+    logged, stacked = LogReader(tmp_path / "run").arrays(), arrays_of(sink.ticks)
+    for field in fields(LogArrays):
+        ours, theirs = getattr(stacked, field.name), getattr(logged, field.name)
+        pairs = [(ours[label], theirs[label]) for label in theirs] if isinstance(theirs, dict) else [(ours, theirs)]
+        for a, b in pairs:
+            np.testing.assert_array_equal(a, b)
