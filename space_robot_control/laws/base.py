@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_control.laws.tracking import prepare
 from space_robot_description.fields import changed, parameter_rows
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
@@ -88,6 +89,7 @@ class Law(ABC):
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
         self._tuned: dict[str, Any] = {}
         self._untold: list[tuple[str, Mapping[str, Any]]] = []
+        prepare()
 
     @classmethod
     def must_compile(cls) -> bool:
