@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import cos, degrees, radians
 from pathlib import Path
 
@@ -97,6 +97,10 @@ class Adaptive(Law):
         super().reset()
         self._cycle.reset()
         self._update.pause()
+
+    def health(self) -> Mapping[str, float]:
+        """Condition and trace of the RLS covariance, resets, and whether every body can exist."""
+        return self._update.health()
 
     def retune(self, gains: Gains) -> None:
         """Go on with another Lambda or kappa; K_D stays kappa times the matrix of the first state."""

@@ -122,6 +122,15 @@ class ParameterUpdate:
             out["learned"] = float(self._learned)
         return out
 
+    def health(self) -> dict[str, float]:
+        """See ``Law.health``."""
+        out = {"consistent": float(self.consistent)}
+        if self._rls is not None:
+            out["covariance_condition"] = self._rls.condition
+            out["covariance_trace"] = float(self._rls.covariance_trace)
+            out["resets"] = float(self._rls.resets)
+        return out
+
     def _accept(self, estimate: Vector) -> None:
         finite, mass, possible = judge(estimate)
         if not finite:

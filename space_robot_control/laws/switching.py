@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from space_robot_control.laws.base import GAINS, Blocks, Law, Review
+from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_control.laws.tracking import error_blocks, tracking_errors
+from space_robot_control.laws.tunable import GAINS
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
@@ -116,8 +117,7 @@ class Switching(Law):
             raise SpecError("one law at a time", key=", ".join(gains))
         for prefix in owners:
             self._prefixed()[prefix].tune({key.removeprefix(prefix): value for key, value in gains.items()})
-            self._tuned |= gains
-            self.tell("parameters", {"values": gains})
+            self.tell_tuned(gains)
         if asked is not None:
             self.switch_to(str(asked))
 
@@ -128,6 +128,10 @@ class Switching(Law):
             tuple(fact for review in reviews for fact in review.facts),
             tuple(warning for review in reviews for warning in review.warnings),
         )
+
+    def health(self) -> Mapping[str, float]:
+        """Of the law that flies."""
+        return self._laws[self._active].health()
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from time import perf_counter
 from typing import Any
 
 from rclpy.duration import Duration
@@ -10,6 +11,7 @@ from std_srvs.srv import Trigger
 
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.switching import ACTIVE, Switching
+from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
 from space_robot_msgs_py.codecs import (
     CommandCodec,
@@ -62,6 +64,7 @@ class ControllerNode(ManagedNode):
         """Build the law and listen; states that come before it is activated wait."""
         self._law = self._make_law()
         self._law.reset()
+        self._health = ControllerHealth(self, self._law)
         self.parameters.declare(self._law.parameters())
         self._last_stamp, self._passed_by = -1, False
         self._waiting: tuple[RobotState, Reference] | None = None
@@ -85,7 +88,7 @@ class ControllerNode(ManagedNode):
 
     def cleanup(self) -> None:
         """Forget the law."""
-        del self._law
+        del self._law, self._health
 
     def retune(self, changes: dict[str, Any]) -> None:
         """Change gains or the active law from the next state on.
@@ -129,11 +132,13 @@ class ControllerNode(ManagedNode):
         if state.stamp <= self._last_stamp:
             self._law.reset()
         self._last_stamp = state.stamp
+        begun = perf_counter()
         try:
             output = self._law.update(state, reference)
         except SpaceRobotError as error:
             self.fail(error)
             return
+        self._health.answered(state.stamp, begun)
         self._send(output)
 
     def _send(self, output: ControlOutput) -> None:

@@ -103,6 +103,11 @@ class SimulatorNode(ManagedNode):
             self.pacer.pace(self._period / changes[REALTIME])
 
     @property
+    def period(self) -> int:
+        """Control period [ns]."""
+        return self._period
+
+    @property
     def stamp(self) -> int:
         """Stamp of the state that waits for its answer [ns]."""
         return self.tick * self._period
@@ -175,6 +180,7 @@ class SimulatorNode(ManagedNode):
             return
         sample = self._plant.step(command)
         self.tick += 1
+        self._health.count(sample)
         self.commands.expect(self.stamp)
         self._show(sample)
         self.on_tick(self.tick)
