@@ -185,7 +185,8 @@ DIAGNOSTICS = Topic(
     "diagnostic_msgs/msg/DiagnosticArray",
     "tool",
     "simulator",
-    "late, missed and rejected commands, real-time factor: everything that depends on the wall clock",
+    "rate, late, missed and refused commands, saturation, residuals, computation time, estimator: all that depends on "
+    "the wall clock",
     recorded=False,
     deterministic=False,
 )

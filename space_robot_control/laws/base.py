@@ -6,17 +6,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.laws.tracking import prepare
-from space_robot_description.fields import changed
+from space_robot_control.laws.tunable import Tunable
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import CommandError, ControlError, NonFiniteError, SpecError
-from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import (
     NANOSECONDS,
     Command,
@@ -28,7 +27,6 @@ from space_robot_msgs_py.interfaces import (
 )
 
 Blocks = Mapping[str, npt.ArrayLike]
-GAINS = "gains."
 UNIT_TOLERANCE = 1e-3  # a measured quaternion further from unit length is an error, not noise
 
 
@@ -45,7 +43,7 @@ class Review:
     warnings: tuple[str, ...] = ()
 
 
-class Law(ABC):
+class Law(Tunable, ABC):
     """A control law as a Controller: subclasses write ``compute`` and, if they remember anything, ``reset``.
 
     Subclasses with gains nest a ``Gains`` model and annotate ``gains: Gains``; every field has a default and a
@@ -68,6 +66,7 @@ class Law(ABC):
     gains: Gains
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
+        super().__init__()
         if not (isfinite(control_period) and control_period > 0.0):
             raise SpecError(
                 "not a period", key="control_period", value=control_period, accepted="a positive number [s]"
@@ -87,8 +86,6 @@ class Law(ABC):
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
         prepare()
-        self._tuned: dict[str, Any] = {}
-        self._untold: list[tuple[str, Mapping[str, Any]]] = []
 
     @classmethod
     def must_compile(cls) -> bool:
@@ -122,39 +119,38 @@ class Law(ABC):
         Overriding laws call this one too.
         """
         self._layout = None
-        # A run that starts with other gains than its experiment says tells so first of all.
-        self._untold = [("parameters", {"values": dict(self._tuned)})] if self._tuned else []
+        self.tell_anew()
 
-    def tune(self, changes: Mapping[str, Any]) -> None:
-        """Change gains in flight, from the next update on, whose output has the event; all of them or none.
+    def resume(self) -> None:
+        """Get ready to answer again after states that others answered; by default like the first of a run."""
+        self.reset()
+
+    def health(self) -> Mapping[str, float]:
+        """Numbers that say how well an estimator is doing, for people who watch; computed only when asked for."""
+        return {}
+
+    def hold(self, command: Command, *, own: bool) -> None:
+        """Learn what acts from now on; called once after each ``compute``. By default it is not of interest.
 
         Args:
-            changes: ``gains.<dotted name>`` of dynamic gains (``Field(..., json_schema_extra=DYNAMIC)``) to value.
-
-        Raises:
-            SpecError: a name or value is not accepted, or the law cannot fly with it.
+            command: what is sent.
+            own: it is what ``compute`` returned; False while this law takes over from another, see ``Switching``.
         """
-        names = [name.removeprefix(GAINS) for name in changes]
-        gains = changed(self.gains, dict(zip(names, changes.values(), strict=True)), f"controller.{GAINS}")
-        self.retune(gains)
-        self.gains = gains
-        told = dict(changes)
-        self._tuned |= told
-        self.tell("parameters", {"values": told})
-
-    def retune(self, gains: Any) -> None:
-        """Get ready to go on with other gains, as they are in ``gains``; by default nothing is to be done.
-
-        Laws that keep numbers made of dynamic gains override this, and refuse before they change anything.
-        """
-        del gains
-
-    def tell(self, kind: str, content: Mapping[str, Any]) -> None:
-        """Put an event into the next output, see ``ControllerEvent``."""
-        self._untold.append((kind, content))
+        del command, own
 
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer one state with a command and telemetry of the same stamp.
+
+        Raises:
+            CommandError: state or reference does not fit the robot or each other.
+            ControlError: the law met or made numbers it cannot go on with.
+        """
+        output = self.answer(state, reference)
+        self.hold(output.command, own=True)
+        return output
+
+    def answer(self, state: RobotState, reference: Reference) -> ControlOutput:
+        """``update`` without its last step, for a caller that says itself what is held.
 
         Raises:
             CommandError: state or reference does not fit the robot or each other.
@@ -168,11 +164,7 @@ class Law(ABC):
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             raise self._failure(str(error), "u", state.stamp) from error
         command, telemetry = self._command(state.stamp, u), self._telemetry(state.stamp, blocks)
-        if not self._untold:
-            return ControlOutput(command, telemetry)
-        events = tuple(ControllerEvent(state.stamp, kind, content) for kind, content in self._untold)
-        self._untold = []
-        return ControlOutput(command, telemetry, events)
+        return ControlOutput(command, telemetry, self.told(state.stamp))
 
     def _check(self, state: RobotState, reference: Reference) -> None:
         if state.q.size != 7 + self.n or reference.q.size != 7 + self.n:

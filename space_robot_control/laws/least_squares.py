@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 
@@ -51,6 +51,15 @@ class RecursiveLeastSquares:
     def covariance(self) -> Vector:
         """(P, P) of the estimate, in units of the unit noise of the rows."""
         return self._root @ self._root.T
+
+    @property
+    def condition(self) -> float:
+        """Largest over smallest eigenvalue of the covariance, each parameter in units of its first deviation [-].
+
+        1 at the start; large where some combinations of parameters were excited and others were not.
+        """
+        values = np.linalg.svd(self._root / self._spread[:, None], compute_uv=False)
+        return float((values[0] / values[-1]) ** 2) if values[-1] > 0.0 else inf
 
     def spread_along(self, direction: Vector) -> Vector:
         """Return G d (P,) without forming G."""

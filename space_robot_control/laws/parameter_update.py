@@ -107,6 +107,10 @@ class ParameterUpdate:
         """Remember what the next period starts with."""
         self._held = held
 
+    def pause(self) -> None:
+        """Others command for a while: nothing is learned from the period that is under way."""
+        self._held = None
+
     def blocks(self) -> Blocks:
         """Telemetry of the update; the labels depend on the gains only."""
         out: dict[str, Vector | float] = {"parameters": self.estimate, "consistent": float(self.consistent)}
@@ -116,6 +120,15 @@ class ParameterUpdate:
             out["covariance_trace"] = self._rls.covariance_trace
             out["resets"] = float(self._rls.resets)
             out["learned"] = float(self._learned)
+        return out
+
+    def health(self) -> dict[str, float]:
+        """See ``Law.health``."""
+        out = {"consistent": float(self.consistent)}
+        if self._rls is not None:
+            out["covariance_condition"] = self._rls.condition
+            out["covariance_trace"] = float(self._rls.covariance_trace)
+            out["resets"] = float(self._rls.resets)
         return out
 
     def _accept(self, estimate: Vector) -> None:

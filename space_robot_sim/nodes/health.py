@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
 from space_robot_msgs_py.errors import SilenceError
-from space_robot_msgs_py.topics import DIAGNOSTICS
+from space_robot_msgs_py.interfaces import NANOSECONDS, PlantSample
+from space_robot_msgs_py.nodes.diagnostics import Diagnostics
+from space_robot_msgs_py.topics import topics_of
 
 if TYPE_CHECKING:
     from space_robot_sim.nodes.simulator import SimulatorNode
 
 DIAGNOSTICS_PERIOD = 1.0
+RESIDUALS = ("momentum_residual", "energy_residual", "quaternion_residual")
 
 
 class SimulatorHealth:
@@ -28,18 +30,27 @@ class SimulatorHealth:
     def __init__(self, simulator: SimulatorNode, patience: float) -> None:
         self._simulator, self._patience = simulator, patience
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._publisher = simulator.create_publisher(DiagnosticArray, DIAGNOSTICS.name, 10)
+        self._diagnostics = Diagnostics(simulator, "plant")
         self._seen_tick, self._silent_since = -1, self._clock.now()
+        self._flown = self._saturated = 0
+        self._warned = False
         self._timer = simulator.create_timer(DIAGNOSTICS_PERIOD, self._on_timer, clock=self._clock)
 
+    def count(self, sample: PlantSample) -> None:
+        """Count a period that was flown."""
+        self._flown += 1
+        self._saturated += bool(sample.telemetry["saturation"].any())
+
     def _on_timer(self) -> None:
-        progress = self._simulator.tick - max(self._seen_tick, 0)
-        if self._simulator.tick != self._seen_tick or self._simulator.paused or self._simulator.end_reason is not None:
-            self._seen_tick, self._silent_since = self._simulator.tick, self._clock.now()
+        simulator = self._simulator
+        progress = simulator.tick - max(self._seen_tick, 0)
+        standing = simulator.paused or not simulator.active or simulator.end_reason is not None
+        if standing or simulator.tick != self._seen_tick:
+            self._seen_tick, self._silent_since = simulator.tick, self._clock.now()
         silence = (self._clock.now() - self._silent_since).nanoseconds * 1e-9
-        self._publish(progress, silence)
+        self._publish(max(progress, 0), silence)
         if silence > self._patience:
-            self._simulator.fail(self._silence(silence))
+            simulator.fail(self._silence(silence))
 
     def _silence(self, seconds: float) -> SilenceError:
         lasted, limit = f"{seconds:.0f} s of silence", f"within {self._patience:g} s"
@@ -58,16 +69,32 @@ class SimulatorHealth:
         )
 
     def _publish(self, progress: int, silence: float) -> None:
-        counts = self._simulator.commands.counts
-        status = DiagnosticStatus(name=f"{self._simulator.get_name()}: lock-step", hardware_id="plant")
-        status.level = DiagnosticStatus.WARN if sum(counts.values()) else DiagnosticStatus.OK
-        status.message = "commands were refused or missed" if sum(counts.values()) else "every state was answered"
-        numbers = {
-            "tick": self._simulator.tick,
-            "ticks_per_second": progress / DIAGNOSTICS_PERIOD,
+        simulator, counts = self._simulator, self._simulator.commands.counts
+        warnings = ["commands were refused or missed"] if sum(counts.values()) else []
+        pace = progress / DIAGNOSTICS_PERIOD
+        commands = {
+            "tick": simulator.tick,
+            "ticks_per_second": pace,
+            "realtime_factor": pace * simulator.period / NANOSECONDS,
             "silence_s": silence,
+            **dict(sorted(counts.items())),
         }
-        status.values = [KeyValue(key=k, value=f"{v:g}") for k, v in (numbers | dict(sorted(counts.items()))).items()]
-        message = DiagnosticArray(status=[status])
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(self._simulator.stamp, 1_000_000_000)
-        self._publisher.publish(message)
+        telemetry = simulator.sample.telemetry if simulator.sample is not None else None
+        residuals = {name: float(abs(telemetry[name]).max()) for name in RESIDUALS} if telemetry is not None else {}
+        share = self._saturated / self._flown if self._flown else 0.0
+        self._diagnostics.publish(
+            simulator.stamp,
+            [
+                self._diagnostics.status("commands", warnings + self._rivals(), "every state was answered", commands),
+                self._diagnostics.status("plant", [], "flying", {"saturation_share": share, **residuals}),
+            ],
+        )
+
+    def _rivals(self) -> list[str]:
+        """More than one publisher of commands: the first valid answer is flown, whosever it is."""
+        numbers = {topic.name: self._simulator.count_publishers(topic.name) for topic in topics_of("command")}
+        found = [f"{number} publishers of {name}" for name, number in numbers.items() if number > 1]
+        if found and not self._warned:
+            self._warned = True
+            self._simulator.get_logger().warning(f"{', '.join(found)}: the first valid answer to a state is flown")
+        return found

@@ -1,0 +1,58 @@
+"""What depends on the wall clock: /diagnostics of the controller. It owns no timer: it speaks when it has answered."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+from rclpy.node import Node
+
+from space_robot_control.laws.base import Law
+from space_robot_control.laws.switching import Switching
+from space_robot_msgs_py.nodes.diagnostics import Diagnostics
+
+DIAGNOSTICS_PERIOD = 1.0
+
+
+class ControllerHealth:
+    """Counts answers and how long they took; publishes at most once a second of the steady clock.
+
+    Args:
+        node: in whose name.
+        law: that answers.
+    """
+
+    def __init__(self, node: Node, law: Law) -> None:
+        self._law, self._diagnostics = law, Diagnostics(node, "flight software")
+        self._since, self._answers, self._total, self._longest = perf_counter(), 0, 0.0, 0.0
+
+    def answered(self, stamp: int, begun: float) -> None:
+        """Count the answer to a state.
+
+        Args:
+            stamp: of the state [ns].
+            begun: ``perf_counter()`` when the law was asked.
+        """
+        now = perf_counter()
+        self._answers += 1
+        self._total += now - begun
+        self._longest = max(self._longest, now - begun)
+        if now - self._since >= DIAGNOSTICS_PERIOD:
+            self._publish(stamp, now - self._since)
+            self._since, self._answers, self._total, self._longest = now, 0, 0.0, 0.0
+
+    def _publish(self, stamp: int, seconds: float) -> None:
+        law, period = self._law, self._law.control_period
+        late = self._longest > period
+        answers: dict[str, float | str] = {
+            "law": law.active if isinstance(law, Switching) else law.name,
+            "answers_per_second": self._answers / seconds,
+            "computation_mean_ms": 1e3 * self._total / self._answers,
+            "computation_longest_ms": 1e3 * self._longest,
+            "longest_over_period": self._longest / period,
+        }
+        statuses = [
+            self._diagnostics.status("law", ["slower than its period"] if late else [], "within its period", answers)
+        ]
+        if health := law.health():
+            statuses.append(self._diagnostics.status("estimator", [], "learning", health))
+        self._diagnostics.publish(stamp, statuses)

@@ -1,0 +1,61 @@
+"""/diagnostics: what depends on the wall clock, and a second publisher of commands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from space_robot_msgs_py.topics import JOINT_COMMAND
+from tests.integration.harness import Flight, flight
+
+pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
+
+
+def heard(robot: Flight) -> dict[str, Any]:
+    """Newest status by name, as it comes in."""
+    newest: dict[str, Any] = {}
+
+    def take(message: DiagnosticArray) -> None:
+        newest.update({status.name: status for status in message.status})
+
+    robot.stranger.create_subscription(DiagnosticArray, "/diagnostics", take, 10)
+    return newest
+
+
+def numbers(status: Any) -> dict[str, str]:
+    """The values of a status."""
+    return {value.key: value.value for value in status.values}
+
+
+def test_both_nodes_say_how_they_are(tmp_path: Path) -> None:
+    """Rate, counts, saturation, residuals, computation time and the condition of the estimator are there."""
+    with flight(tmp_path / "run", "controller={law: adaptive}", "duration=400.0", realtime=20.0) as robot:
+        newest = heard(robot)
+        wanted = ("simulator: commands", "simulator: plant", "controller: law", "controller: estimator")
+        robot.spin_until(lambda: all(name in newest for name in wanted), "all four statuses")
+    commands, plant, law, estimator = (numbers(newest[name]) for name in wanted)
+    assert {"ticks_per_second", "realtime_factor", "silence_s"} <= commands.keys()
+    assert {"saturation_share", "momentum_residual", "energy_residual"} <= plant.keys()
+    assert float(plant["momentum_residual"]) < 1e-8
+    assert law["law"] == "adaptive"
+    assert float(law["computation_mean_ms"]) <= float(law["computation_longest_ms"])
+    assert float(estimator["covariance_condition"]) > 1.0
+
+
+def test_a_second_publisher_of_commands_is_pointed_out(tmp_path: Path) -> None:
+    """As long as there are two, the status of the commands is a warning that says of what."""
+    with flight(tmp_path / "run", "duration=4000.0", realtime=1.0) as robot:
+        newest = heard(robot)
+        robot.stranger.publisher(JOINT_COMMAND)
+
+        def warned() -> bool:
+            status = newest.get("simulator: commands")
+            return status is not None and "2 publishers of joint_command" in status.message
+
+        robot.spin_until(warned, "the warning")
+    assert newest["simulator: commands"].level == DiagnosticStatus.WARN

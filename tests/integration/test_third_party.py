@@ -1,0 +1,96 @@
+"""A controller that knows nothing of this project: rclpy and standard messages are enough to fly the robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+from geometry_msgs.msg import WrenchStamped
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
+
+from space_robot_bringup.run import judge_log
+from space_robot_msgs_py.log_reader import LogReader
+from tests.integration.harness import flight
+
+pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
+
+QOS = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Stranger(Node):  # type: ignore[misc]
+    """PD on base attitude and joints, in torques, from four standard topics to two."""
+
+    stiffness, damping = 0.2, 1.0
+    inertia = np.array([2.0, 2.0, 1.2])
+    joint_inertia = np.array([0.2, 0.2, 0.1, 0.02])
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("somebody_elses_controller", **options)
+        self.parts: dict[int, dict[str, Any]] = {}
+        self.wrench = self.create_publisher(WrenchStamped, "base/wrench_command", QOS)
+        self.effort = self.create_publisher(JointState, "joint_command", QOS)
+        for name, kind in {
+            "base/odom": Odometry,
+            "joint_states": JointState,
+            "reference/base": Odometry,
+            "reference/joints": JointTrajectory,
+        }.items():
+            self.create_subscription(kind, name, lambda message, name=name: self.take(name, message), QOS)
+
+    def take(self, name: str, message: Any) -> None:
+        """Answer a stamp once all four of its messages are there."""
+        stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+        parts = self.parts.setdefault(stamp, {})
+        parts[name] = message
+        if len(parts) == 4:
+            del self.parts[stamp]
+            self.answer(*(parts[key] for key in ("base/odom", "joint_states", "reference/base", "reference/joints")))
+
+    def answer(self, odom: Any, joints: Any, base: Any, arm: Any) -> None:
+        """Publish both parts of the command with the stamp of the state."""
+        turn = 2.0 * vector_part(odom.pose.pose.orientation, base.pose.pose.orientation)
+        rate = odom.twist.twist.angular
+        torque = self.inertia * (self.stiffness * turn - self.damping * np.array([rate.x, rate.y, rate.z]))
+        wanted = np.array(arm.points[0].positions) - np.array(joints.position)
+        effort = self.joint_inertia * (self.stiffness * wanted - self.damping * np.array(joints.velocity))
+        wrench = WrenchStamped()
+        wrench.header.stamp, wrench.header.frame_id = odom.header.stamp, "base_link"
+        wrench.wrench.torque.x, wrench.wrench.torque.y, wrench.wrench.torque.z = torque.tolist()
+        self.wrench.publish(wrench)
+        command = JointState(name=joints.name, effort=effort.tolist())
+        command.header.stamp = odom.header.stamp
+        self.effort.publish(command)
+
+
+def vector_part(actual: Any, desired: Any) -> Any:
+    """Vector part of the rotation from the actual to the desired attitude, the short way."""
+    a, d = (np.array([q.x, q.y, q.z, q.w]) for q in (actual, desired))
+    vector = a[3] * d[:3] - d[3] * a[:3] - np.cross(a[:3], d[:3])
+    return vector * np.sign(a @ d)
+
+
+def test_a_foreign_node_flies_the_robot(tmp_path: Path) -> None:
+    """Without our controller the run ends completed, the robot gets where it was asked, and no command was refused."""
+    with flight(tmp_path / "run", "expect={}", "duration=200.0", roles=("recorder", "guidance", "simulator")) as robot:
+        stranger = Stranger(context=robot.context)
+        robot.executor.add_node(stranger)
+        robot.spin_until(lambda: robot.recorder.complete and robot.simulator.end_reason, "the end of the run")
+        assert robot.simulator.end_reason == "completed"
+        assert not robot.simulator.commands.counts
+        robot.recorder.finish("completed")
+        result = judge_log(tmp_path / "run", robot.composition, "completed", 0.0)
+        stranger.destroy_node()
+    assert result.metrics is not None
+    assert [check for check in result.checks if not check.passed] == []
+    for axis in result.metrics.axes:
+        assert axis.final_error < 0.5, f"{axis.name} is off by {axis.final_error} deg"
+    topics = {name for name, _, _ in LogReader(tmp_path / "run").messages()}
+    assert not {"controller/telemetry", "controller/events"} & topics
