@@ -49,6 +49,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--set", action="append", default=[], metavar="KEY=VALUE", help="override one key; the same for every role"
     )
     parser.add_argument("--realtime", type=float, default=None, help="simulated seconds per second; default lock-step")
+    parser.add_argument("--no-record", action="store_true", help="no recorder takes part: the simulator awaits none")
     parser.add_argument("--progress", action="store_true", help="print the tick that was reached, now and then")
     own, ros = _split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
     options = parser.parse_args(own)
@@ -65,6 +66,7 @@ def main(arguments: list[str] | None = None) -> int:
                     realtime=options.realtime,
                     mode="processes",
                     context=context,
+                    **({"recorded": not options.no_record} if options.role == "simulator" else {}),
                 )
                 executor = make_executor(context)
                 executor.add_node(node)
