@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Never
 
 import typer
 
-import space_robot_bringup.cli_studies  # noqa: F401  (its commands belong to the same application)
+import space_robot_bringup.cli_log
+import space_robot_bringup.cli_studies  # noqa: F401  (their commands belong to the same application)
 from space_robot_bringup.cli_app import (
     BAD_INPUT,
     FAILED,

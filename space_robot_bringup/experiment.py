@@ -137,11 +137,17 @@ def overridden(content: Mapping[str, Any], name_or_path: str, overrides: Iterabl
         name_or_path: of the file.
         overrides: ``dotted.key=value`` with the value in YAML.
     """
-    data, path = deepcopy(dict(content)), experiment_path(name_or_path)
+    path = experiment_path(name_or_path)
+    return experiment_from(located(with_overrides(content, overrides), path.parent), str(name_or_path))
+
+
+def with_overrides(content: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
+    """A copy of the mapping with every ``dotted.key=value`` set."""
+    data = deepcopy(dict(content))
     # The law first: gains given beside it are meant for it, those of the file's own law are not.
     for override in sorted(overrides, key=lambda text: not text.startswith(f"{LAW_KEY}=")):
         apply_override(data, override)
-    return experiment_from(located(data, path.parent), str(name_or_path))
+    return data
 
 
 def located(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:

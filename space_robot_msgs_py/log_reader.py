@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Metadata
+from mcap.records import Channel, Metadata
 
 from space_robot_msgs_py.codecs import TickCodec, decode_string
 from space_robot_msgs_py.errors import (
@@ -23,10 +23,12 @@ from space_robot_msgs_py.log_arrays import LogArrays, Row, stack_ticks
 from space_robot_msgs_py.log_directory import BAG_SUFFIX
 from space_robot_msgs_py.log_header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log_preamble import END_NAME, RECORDED, log_name
-from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, parse, scan
+from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, parse, parse_attachment, scan
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 
 _NAMES = {log_name(topic): topic.name for topic in RECORDED}
+# Not of a tick: once per run, or made from the tick by whoever wrote the log.
+_BESIDE = frozenset(topic.name for topic in RECORDED if topic.latched or topic.derived)
 _ESSENTIAL = frozenset(topic.name for kind in ("state", "reference", "command") for topic in topics_of(kind))
 _TELEMETRY = frozenset((CONTROLLER_TELEMETRY.name, PLANT_TELEMETRY.name))
 
@@ -79,6 +81,8 @@ class LogReader:
         for opcode, content in flatten(self._records(), self._key):
             if opcode == Opcode.MESSAGE:
                 channel, sequence, stamp, _ = MESSAGE.unpack_from(content)
+                if not any(expected.values()):
+                    self._check_channels(names.values())
                 if channel not in names or sequence != expected[channel]:
                     raise LogError("a message is missing", key=self._key, value=f"{names.get(channel)} at {stamp} ns")
                 expected[channel] += 1
@@ -100,6 +104,11 @@ class LogReader:
                 needed = _ESSENTIAL | (_TELEMETRY & parts.keys() if finished else _TELEMETRY)
             if parts.keys() >= needed:
                 yield stamp, parts
+
+    def stamps(self) -> Iterator[Row]:
+        """Stamp [ns] and messages by topic name of every stamp, complete or not, in order; see ``rows``."""
+        for row, _ in self._groups():
+            yield row
 
     def ticks(self) -> Iterator[Tick]:
         """Every complete tick that fits the robot, in order; equal to what was written, bit for bit.
@@ -141,7 +150,7 @@ class LogReader:
         """Messages of equal stamp, and whether anything follows that proves there are no more of them."""
         stamp, parts = -1, dict[str, bytes]()
         for name, at, data in self.messages():
-            if name == ROBOT_DESCRIPTION.name:
+            if name in _BESIDE:
                 continue
             if at != stamp and parts:
                 yield (stamp, parts), True
@@ -151,6 +160,12 @@ class LogReader:
         if parts:
             yield (stamp, parts), self.end_reason is not None
 
+    def _check_channels(self, names: Iterable[str]) -> None:
+        """Every log has these channels, also empty ones: a name that is missing was damaged."""
+        lacking = (_ESSENTIAL | _TELEMETRY).difference(names)
+        if lacking:
+            raise LogError("topics are missing or damaged", key=self._key, value=", ".join(sorted(lacking)))
+
     def _read_header(self) -> LogHeader:
         metadata: dict[str, str] | None = None
         attachments: dict[str, bytes] = {}
@@ -159,7 +174,7 @@ class LogReader:
                 record = parse(Metadata.read, content, self._key)
                 metadata = record.metadata if record.name == METADATA_NAME else None
             elif opcode == Opcode.ATTACHMENT:
-                attachment = parse(Attachment.read, content, self._key)
+                attachment = parse_attachment(content, self._key)
                 attachments[attachment.name] = attachment.data
             elif opcode in (Opcode.MESSAGE, Opcode.CHUNK, Opcode.SCHEMA):
                 break

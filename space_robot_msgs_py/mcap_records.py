@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator
 from io import BytesIO
 from typing import IO, TypeVar
 
-import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
-from mcap.records import Chunk, McapRecord, Metadata
+from mcap.records import Attachment, Chunk, McapRecord, Metadata
 
 from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.mcap_chunks import unpack_chunk
 
 MAGIC = b"\x89MCAP0\r\n"
 PREFIX = struct.Struct("<BQ")
@@ -87,6 +87,19 @@ def parse(read: Callable[[ReadDataStream], R], content: bytes, key: str) -> R:
         raise LogError(f"a record is damaged ({type(error).__name__})", key=key) from None
 
 
+def parse_attachment(content: bytes, key: str) -> Attachment:
+    """An attachment, whose checksum nobody else looks at.
+
+    Raises:
+        LogError: the content is damaged.
+    """
+    attachment: Attachment = parse(Attachment.read, content, key)
+    expected = int.from_bytes(content[-4:], "little")
+    if expected and zlib.crc32(content[:-4]) != expected:
+        raise LogError(f"the attachment {attachment.name!r} is damaged (checksum)", key=key)
+    return attachment
+
+
 def flatten(records: Iterator[tuple[int, bytes]], key: str) -> Iterator[tuple[int, bytes]]:
     """The records of the data section, with those in chunks in the place of the chunks.
 
@@ -97,24 +110,13 @@ def flatten(records: Iterator[tuple[int, bytes]], key: str) -> Iterator[tuple[in
         if opcode == Opcode.DATA_END:
             return
         if opcode == Opcode.CHUNK:
-            yield from _walk(_unpack_chunk(parse(Chunk.read, content, key), key))
+            yield from walk(unpack_chunk(parse(Chunk.read, content, key), key))
         elif opcode != Opcode.MESSAGE_INDEX:
             yield opcode, content
 
 
-def _unpack_chunk(chunk: Chunk, key: str) -> bytes:
-    if chunk.compression not in ("", "zstd"):
-        raise LogError("unknown compression", key=key, value=chunk.compression, accepted="zstd or none")
-    try:
-        data = zstandard.decompress(chunk.data, chunk.uncompressed_size) if chunk.compression else chunk.data
-    except (zstandard.ZstdError, MemoryError) as error:
-        raise LogError(f"a chunk is damaged ({error})", key=key) from None
-    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
-        raise LogError("a chunk is damaged (checksum)", key=key)
-    return data
-
-
-def _walk(data: bytes) -> Iterator[tuple[int, bytes]]:
+def walk(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """The records in the bytes of a chunk."""
     position = 0
     while position + PREFIX.size <= len(data):
         opcode, length = PREFIX.unpack_from(data, position)

@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 Kind = Literal[
-    "state", "reference", "command", "controller_telemetry", "plant_telemetry", "description", "event", "tool"
+    "state",
+    "reference",
+    "command",
+    "controller_telemetry",
+    "controller_event",
+    "plant_telemetry",
+    "description",
+    "event",
+    "tool",
 ]
 
 
@@ -21,8 +29,10 @@ class Topic:
         kind: the value it carries a part of; all topics of a kind share a stamp.
         publisher: the node that publishes it.
         latched: one message, kept for late joiners.
+        sporadic: not every stamp has a message.
         recorded: it is written to the log.
         deterministic: equal runs give equal bytes.
+        derived: in the log it follows from other messages of its stamp; whoever writes the log makes it.
         meaning: for people.
     """
 
@@ -32,8 +42,10 @@ class Topic:
     publisher: str
     meaning: str
     latched: bool = False
+    sporadic: bool = False
     recorded: bool = True
     deterministic: bool = True
+    derived: bool = False
 
 
 # The order of rows is the order of messages of one stamp in the log.
@@ -87,6 +99,15 @@ REFERENCE_JOINTS = Topic(
     "guidance",
     "desired joint position, velocity and acceleration (one point)",
 )
+CONTROLLER_EVENTS = Topic(
+    "controller/events",
+    "std_msgs/msg/String",
+    "controller_event",
+    "controller",
+    "gains changed and laws switched in flight, one JSON line each: stamp [ns] of the first command it acts on, kind, "
+    "content; sent before that command",
+    sporadic=True,
+)
 WRENCH_COMMAND = Topic(
     "base/wrench_command",
     "geometry_msgs/msg/WrenchStamped",
@@ -114,6 +135,24 @@ PLANT_TELEMETRY = Topic(
     "plant_telemetry",
     "simulator",
     "labelled blocks: `stamp` [ns], truth, momentum, energy, conservation residuals, wheel momentum, saturation",
+)
+TF = Topic(
+    "/tf",
+    "tf2_msgs/msg/TFMessage",
+    "tool",
+    "simulator",
+    "`inertial` to the root link and every moving link in its parent, from the measured state; live only where "
+    "tf2_msgs is installed",
+    derived=True,
+)
+TF_STATIC = Topic(
+    "/tf_static",
+    "tf2_msgs/msg/TFMessage",
+    "tool",
+    "simulator",
+    "links behind fixed joints; live only where tf2_msgs is installed",
+    latched=True,
+    derived=True,
 )
 RUN_END = Topic(
     "run_end",
@@ -159,10 +198,13 @@ TABLE: tuple[Topic, ...] = (
     REFERENCE_BASE,
     REFERENCE_BASE_ACCEL,
     REFERENCE_JOINTS,
+    CONTROLLER_EVENTS,
     WRENCH_COMMAND,
     JOINT_COMMAND,
     CONTROLLER_TELEMETRY,
     PLANT_TELEMETRY,
+    TF,
+    TF_STATIC,
     RUN_END,
     RECORDER_CREDIT,
     CLOCK,

@@ -9,10 +9,11 @@ import numpy as np
 
 from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
+from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.fallback import PinocchioIntegrator
+from space_robot_sim.hold import Acting, CommandHold
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
@@ -62,7 +63,8 @@ class SimulatedRobot:
         if control_period <= 0:
             raise SpecError("not positive", key="control_period", value=control_period, accepted="nanoseconds > 0")
         spec = integrator or IntegratorSpec()
-        self._initial, self._delay, self._hold_last = initial, delay_periods, hold == "last"
+        self._initial = initial
+        self._hold = CommandHold(robot.n, delay_periods=delay_periods, hold=hold)
         self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
         self._robots = {0: robot, **dict(changes)}
         self._arrays = robot_arrays(robot.model, motor_numbers(robot))
@@ -86,11 +88,10 @@ class SimulatedRobot:
         self._flight.y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
         self._flight.wheels[:] = self._wheels
         self._stamp = 0
-        self._held = np.zeros(6 + self._n)
-        self._waiting = np.zeros(6 + self._n)
+        nothing = self._hold.reset()
         self._sensors.reset()
         self._become(self._robots[0])
-        return self._show(self._held)
+        return self._show(nothing)
 
     def step(self, command: Command | None) -> PlantSample:
         """Advance one control period under the command (None: the hold) and show the state at its end.
@@ -101,10 +102,8 @@ class SimulatedRobot:
         """
         if self._stamp and self._stamp in self._robots:
             self._become(self._robots[self._stamp])
-        acting = self._accept(command)
-        if self._delay:
-            acting, self._waiting = self._waiting, acting
-        status = self._advance(acting)
+        acting = self._hold.take(command)
+        status = self._advance(acting.u)
         self._stamp += self._period
         if status != DONE:
             raise self._failure(status)
@@ -115,15 +114,7 @@ class SimulatedRobot:
         self._arrays = robot_arrays(robot.model, motor_numbers(robot))
         self._fallback = None if self._compiled else PinocchioIntegrator(robot.model, self._arrays)
         self._flight.y[13 + 2 * self._n :] = 0.0
-        self._advance(self._held, start=True)
-
-    def _accept(self, command: Command | None) -> Vector:
-        if command is None:
-            return self._held if self._hold_last else np.zeros(6 + self._n)
-        if command.effort.size != self._n:
-            raise CommandError("wrong size", key="command.effort", value=command.effort.size, accepted=f"{self._n}")
-        self._held = command.u
-        return self._held
+        self._advance(self._hold.held.u, start=True)
 
     def _advance(self, acting: Vector, *, start: bool = False) -> int:
         """One period under a command, or with ``start`` only the books of the initial state; returns a status."""
@@ -140,7 +131,7 @@ class SimulatedRobot:
             settle(self._arrays, self._able, self._seconds, plant)
         return status
 
-    def _show(self, acting: Vector) -> PlantSample:
+    def _show(self, acting: Acting) -> PlantSample:
         plant, n = self._flight, self._n
         y, gauges = plant.y, plant.gauges
         truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.interfaces import Telemetry, Vector
+from space_robot_msgs_py.interfaces import Telemetry
+from space_robot_sim.hold import Acting
 from space_robot_sim.kernel.period import Flight
 
 
@@ -16,7 +17,8 @@ class PlantTelemetry:
     origin, wheels included), ``energy`` (kinetic, without the spin of wheels), ``momentum_residual`` (2: linear,
     angular), ``energy_residual``, ``quaternion_residual``, ``wheel_momentum`` (robots with wheels), ``applied_wrench``
     (6, mean), ``applied_effort`` (n, mean), ``saturation`` (6+n, 0 or 1), ``joint_limit`` (n, how far outside [rad or
-    m]), ``force_ignored`` (free-floating robots: 1 if a force was commanded).
+    m]), ``command_stamp`` (of the command that acted [ns], -1: none), ``force_ignored`` (free-floating robots: 1 if a
+    force was commanded).
 
     Args:
         robot: the true robot.
@@ -36,20 +38,21 @@ class PlantTelemetry:
         }
         if wheels:
             blocks["wheel_momentum"] = wheels
-        blocks |= {"applied_wrench": 6, "applied_effort": n, "saturation": 6 + n, "joint_limit": n}
+        blocks |= {"applied_wrench": 6, "applied_effort": n, "saturation": 6 + n, "joint_limit": n, "command_stamp": 1}
         self._floating = robot.base_mode == "free_floating"
         if self._floating:
             blocks["force_ignored"] = 1
         self._labels, self._sizes = tuple(blocks), tuple(blocks.values())
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
-    def of(self, stamp: int, acting: Vector, plant: Flight) -> Telemetry:
-        """Telemetry at a stamp [ns] after a period under the command ``acting`` (6+n,)."""
+    def of(self, stamp: int, acting: Acting, plant: Flight) -> Telemetry:
+        """Telemetry at a stamp [ns] after a period under the command ``acting``."""
         # On Python floats: at this size several times faster than on arrays.
         joints = plant.y[7 : 7 + self._n].tolist()
         rest = [max(low - x, x - high, 0.0) for x, (low, high) in zip(joints, self._limits, strict=True)]
+        rest.append(float(acting.stamp))
         if self._floating:
-            rest.append(float(any(acting[:3].tolist())))
+            rest.append(float(any(acting.u[:3].tolist())))
         parts = (
             plant.y[: 13 + 2 * self._n],
             plant.now[:7],

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
+from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.grasp.books import Books
 from space_robot_sim.grasp.dynamics import GraspDynamics, Push
@@ -17,6 +17,7 @@ from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.orbit import Orbit
 from space_robot_sim.grasp.spec import GraspSpec
 from space_robot_sim.grasp.telemetry import GraspTelemetry
+from space_robot_sim.hold import Acting, CommandHold
 from space_robot_sim.initial import InitialState
 
 
@@ -61,7 +62,7 @@ class HeldBody(ABC):
         self._n, self._initial, self._limit, self._lag = robot.n, initial, limit, lag
         self._steps = whole_steps(control_period, step, "control_period")
         self._period, self._h = control_period, control_period / NANOSECONDS / self._steps
-        self._delay, self._hold_last = delay_periods, hold == "last"
+        self._hold = CommandHold(robot.n, delay_periods=delay_periods, hold=hold)
         self._layout = GraspDynamics(robot, force, joints, lag, orbit)
         self._books, self._telemetry = Books(robot.model), GraspTelemetry(robot, joints, force)
         self._seen: deque[Vector] = deque(maxlen=seen + 1)
@@ -83,12 +84,12 @@ class HeldBody(ABC):
         self._y = np.zeros(self._layout.size)
         self._y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
         self._stamp = 0
-        self._held = self._waiting = np.zeros(6 + self._n)
+        nothing = self._hold.reset()
         self._forget()
         self._books.reset()
         self._seen.clear()
         self._seen.append(self._y[: 7 + self._n].copy())
-        return self._show(self._held, Push.none(self._n), np.zeros(3), 0.0)
+        return self._show(nothing, Push.none(self._n), np.zeros(3), 0.0)
 
     def step(self, command: Command | None) -> PlantSample:
         """Advance one control period under the command (None: the hold) and show the state at its end.
@@ -97,10 +98,8 @@ class HeldBody(ABC):
             CommandError: the command is not for this many joints.
             IntegrationError: the state stopped being finite.
         """
-        acting = self._accept(command)
-        if self._delay:
-            acting, self._waiting = self._waiting, acting
-        push, stored = self._push(acting), self._y[self._layout.wheels].copy()
+        acting = self._hold.take(command)
+        push, stored = self._push(acting.u), self._y[self._layout.wheels].copy()
         if self._lag == 0.0:
             self._y[self._layout.wheel_torque] = push.torque
         with np.errstate(over="ignore", invalid="ignore"):
@@ -115,15 +114,7 @@ class HeldBody(ABC):
         wheels = (stored - self._y[self._layout.wheels]) / (self._steps * self._h)
         return self._show(acting, push, wheels, abs(norm - 1.0))
 
-    def _accept(self, command: Command | None) -> Vector:
-        if command is None:
-            return self._held if self._hold_last else np.zeros(6 + self._n)
-        if command.effort.size != self._n:
-            raise CommandError("wrong size", key="command.effort", value=command.effort.size, accepted=f"{self._n}")
-        self._held = command.u
-        return self._held
-
-    def _show(self, acting: Vector, push: Push, wheels: Vector, quaternion_residual: float) -> PlantSample:
+    def _show(self, acting: Acting, push: Push, wheels: Vector, quaternion_residual: float) -> PlantSample:
         n, layout, y = self._n, self._layout, self._y
         telemetry = self._telemetry.of(
             self._stamp,

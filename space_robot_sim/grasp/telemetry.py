@@ -7,6 +7,7 @@ import numpy as np
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Telemetry, Vector
 from space_robot_sim.grasp.law import Grasp
+from space_robot_sim.hold import Acting
 
 
 class GraspTelemetry:
@@ -35,7 +36,7 @@ class GraspTelemetry:
         balance: tuple[Vector, float, Vector],
         quaternion_residual: float,
         applied: Vector,
-        acting: Vector,
+        acting: Acting,
         limit: Vector,
     ) -> Telemetry:
         """Telemetry at a stamp [ns].
@@ -48,7 +49,7 @@ class GraspTelemetry:
             balance: momentum, energy and residuals, see ``Books``.
             quaternion_residual: before it was made unit [-].
             applied: (6+n,) mean force, torque and motor efforts over the period [N, N m].
-            acting: (6+n,) the command that acted [N, N m].
+            acting: the command that acted.
             limit: (6+n,) of the command, 0 where it does nothing.
         """
         n, (i, j, k), (bristle, rest, turning) = self._n, self._joints, grasp
@@ -69,10 +70,11 @@ class GraspTelemetry:
                 "wheel_momentum": wheels,
                 "applied_wrench": applied[:6],
                 "applied_effort": applied[6:],
-                "saturation": ((np.abs(acting) >= limit) & (limit > 0.0)).astype(np.float64),
+                "saturation": ((np.abs(acting.u) >= limit) & (limit > 0.0)).astype(np.float64),
                 "joint_limit": np.maximum(0.0, np.maximum(self._lower - q, q - self._upper)),
+                "command_stamp": float(acting.stamp),
                 "grasp_effort": [forces.x, forces.y, forces.torque],
                 "grasp_energy": self._grasp.stored(*offsets, bristle),
-                "command_ignored": float(acting[limit == 0.0].any()),
+                "command_ignored": float(acting.u[limit == 0.0].any()),
             },
         )

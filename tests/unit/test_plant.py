@@ -97,6 +97,7 @@ def test_telemetry_shows_the_truth() -> None:
         "applied_effort": 7,
         "saturation": 13,
         "joint_limit": 7,
+        "command_stamp": 1,
         "force_ignored": 1,
     }
     assert {sample.telemetry.labels for sample in samples} == {telemetry.labels}

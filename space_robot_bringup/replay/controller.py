@@ -1,0 +1,105 @@
+"""Recorded states in, fresh commands out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+from space_robot_bringup.replay.comparison import Comparison, Tolerance
+from space_robot_bringup.replay.outcome import Outcome, absent_topics
+from space_robot_bringup.replay.recording import Recording
+from space_robot_msgs_py.codecs import TickCodec
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
+from space_robot_msgs_py.interfaces import Controller, Reference, ReferenceSource, RobotState
+from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_TELEMETRY, topics_of
+
+FAILED = "controller: "
+_ANSWERS = (*topics_of("command"), CONTROLLER_TELEMETRY)
+
+
+def replay_controller(recording: Recording, tolerance: Tolerance) -> Outcome:
+    """Feed every recorded state and reference to a fresh controller and compare what it says.
+
+    A reference that is not in the bag is that of the experiment. A state without a recorded answer (a paced run that
+    was too fast) is answered too, for the law may remember it, and compared with nothing.
+
+    Raises:
+        LogError: there is nothing to compare.
+    """
+    return _Replay(recording, tolerance).run()
+
+
+class _Replay:
+    def __init__(self, recording: Recording, tolerance: Tolerance) -> None:
+        self._recording, self._tolerance = recording, tolerance
+        composition = recording.composition
+        self._period = composition.experiment.period
+        self._codec = TickCodec(composition.joint_names)
+        self._comparison = Comparison(composition.joint_names, tolerance)
+        self._law: Controller = composition.controller()
+        self._source: ReferenceSource = composition.reference()
+        self._notes: Counter[str] = Counter()
+        self._ended = recording.end_reason or ""
+        # Where the recorded law gave up, the state it had no answer to is the last one.
+        failed = self._ended.startswith(FAILED)
+        self._final = max((stamp for stamp, _ in recording.rows()), default=-1) if failed else -1
+        self._ticks, self._last = 0, -1
+
+    def run(self) -> Outcome:
+        self._law.reset()
+        stop = ""
+        for stamp, parts in self._recording.rows():
+            stop = self._tick(stamp, parts)
+            if stop:
+                break
+        comparison = self._comparison
+        if not comparison.compared and comparison.first is None:
+            missing = ", ".join(topic.name for topic in (*topics_of("state"), *topics_of("command")))
+            raise LogError("nothing to compare with a controller", key=str(self._recording.path), accepted=missing)
+        remarks = [f"{count} {what}" for what, count in self._notes.items()] + ([stop] if stop else [])
+        absent = absent_topics(comparison, _ANSWERS, self._tolerance.ignore)
+        return Outcome("controller", comparison, self._ticks, self._last, absent, tuple(remarks))
+
+    def _tick(self, stamp: int, parts: Mapping[str, bytes]) -> str:
+        """Answer one state; returns why nothing more can be compared, or nothing."""
+        if BASE_ODOM.name not in parts:
+            self._notes["stamps without a state were passed over"] += 1
+            return ""
+        if self._last >= 0 and stamp != self._last + self._period:
+            return f"states are missing between {self._last} ns and {stamp} ns: not compared from there on"
+        self._last = stamp
+        try:
+            state, reference = self._inputs(stamp, parts)
+        except (KeyError, SpaceRobotError) as error:
+            return f"the state at {stamp} ns cannot be used ({error}): not compared from there on"
+        self._ticks += 1
+        answered = any(topic.name in parts for topic in topics_of("command"))
+        try:
+            output = self._law.update(state, reference)
+        except SpaceRobotError as error:
+            return self._failed(stamp, f"{FAILED}{error}", answered)
+        if not answered:
+            self._unanswered(stamp)
+            return ""
+        command = zip(self._codec.command.topics, self._codec.command.encode(output.command), strict=True)
+        telemetry = self._codec.controller_telemetry.encode(output.telemetry)[0]
+        self._comparison.compare(stamp, parts, [*command, (CONTROLLER_TELEMETRY, telemetry)])
+        return ""
+
+    def _inputs(self, stamp: int, parts: Mapping[str, bytes]) -> tuple[RobotState, Reference]:
+        state = self._codec.state.decode([parts[topic.name] for topic in self._codec.state.topics])
+        if not any(topic.name in parts for topic in self._codec.reference.topics):
+            return state, self._source.at(stamp)
+        return state, self._codec.reference.decode([parts[topic.name] for topic in self._codec.reference.topics])
+
+    def _failed(self, stamp: int, reason: str, answered: bool) -> str:
+        """The fresh law gave up: as the recorded one did, or not."""
+        if answered or stamp == self._final:
+            self._comparison.event("command", stamp, "answer", "an answer" if answered else self._ended, reason)
+        return f"the law gives up at {stamp} ns"
+
+    def _unanswered(self, stamp: int) -> None:
+        if stamp == self._final:
+            self._comparison.event("command", stamp, "answer", self._ended, "an answer")
+        else:
+            self._notes["states have no recorded answer"] += 1

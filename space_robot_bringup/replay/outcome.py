@@ -1,0 +1,47 @@
+"""What came out of computing a recorded run again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from space_robot_bringup.replay.comparison import Comparison, Divergence
+from space_robot_msgs_py.topics import Topic
+
+Against = Literal["controller", "plant"]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Outcome:
+    """The verdict of one replay.
+
+    Attributes:
+        against: what was computed afresh.
+        comparison: of its messages with those of the log.
+        ticks: how many stamps were computed.
+        last: the last of them [ns].
+        absent: topics that were computed and are not in the log at all.
+        remarks: what was not compared, and why.
+    """
+
+    against: Against
+    comparison: Comparison
+    ticks: int
+    last: int
+    absent: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def equal(self) -> bool:
+        """Something was compared and nothing is different."""
+        return self.comparison.first is None
+
+    @property
+    def first(self) -> Divergence | None:
+        """The first number that is different."""
+        return self.comparison.first
+
+
+def absent_topics(comparison: Comparison, topics: tuple[Topic, ...], ignored: tuple[str, ...]) -> tuple[str, ...]:
+    """Topics nothing was compared of although nobody said to ignore them."""
+    return tuple(topic.name for topic in topics if topic.name not in ignored and not comparison.compared[topic.name])

@@ -1,0 +1,133 @@
+"""Recorded commands in, fresh states out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+
+from space_robot_bringup.replay.comparison import Comparison, Tolerance
+from space_robot_bringup.replay.outcome import Outcome, absent_topics
+from space_robot_bringup.replay.recording import Recording
+from space_robot_msgs_py.codecs import TickCodec
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
+from space_robot_msgs_py.interfaces import Command, PlantSample
+from space_robot_msgs_py.log_arrays import Row
+from space_robot_msgs_py.topics import BASE_ODOM, PLANT_TELEMETRY, topics_of
+
+FAILED = "simulator: "
+_SHOWN = (*topics_of("state"), PLANT_TELEMETRY)
+# The block of the plant's telemetry that says which command acted; see PlantTelemetry.
+ACTED = "command_stamp"
+
+
+def replay_plant(recording: Recording, tolerance: Tolerance) -> Outcome:
+    """Fly a fresh plant from its initial state by the recorded commands and compare what it shows.
+
+    A command acts when the log says it did (``command_stamp`` of the plant's telemetry), which matters in paced runs;
+    in a bag without that, when its stamp says.
+
+    Raises:
+        LogError: there is nothing to compare.
+    """
+    return _Replay(recording, tolerance).run()
+
+
+class _Replay:
+    def __init__(self, recording: Recording, tolerance: Tolerance) -> None:
+        self._recording, self._tolerance = recording, tolerance
+        composition = recording.composition
+        self._period = composition.experiment.period
+        self._delay = composition.experiment.plant.delay_periods
+        self._codec = TickCodec(composition.joint_names)
+        self._comparison = Comparison(composition.joint_names, tolerance)
+        self._plant = composition.plant()
+        self._commands: dict[int, Command] = {}
+        self._acted: dict[int, int] = {}
+        self._notes: Counter[str] = Counter()
+        self._ticks, self._last = 0, -1
+
+    def run(self) -> Outcome:
+        rows = [row for row in self._recording.rows() if BASE_ODOM.name in row[1]]
+        self._learn(rows)
+        if not rows or rows[0][0] != 0 or not self._commands:
+            needed = ", ".join(topic.name for topic in (*topics_of("state"), *topics_of("command")))
+            accepted = f"{needed} from stamp 0 on"
+            raise LogError("nothing to compare with a plant", key=str(self._recording.path), accepted=accepted)
+        stop = self._fly(rows)
+        remarks = [f"{count} {what}" for what, count in self._notes.items()] + ([stop] if stop else [])
+        absent = absent_topics(self._comparison, _SHOWN, self._tolerance.ignore)
+        return Outcome("plant", self._comparison, self._ticks, self._last, absent, tuple(remarks))
+
+    def _fly(self, rows: list[Row]) -> str:
+        """Compare row by row; returns why not to the end, or nothing."""
+        self._show(rows[0], self._plant.reset())
+        for (stamp, _), following in pairwise(rows):
+            if following[0] != stamp + self._period:
+                return f"states are missing between {stamp} ns and {following[0]} ns: not compared from there on"
+            try:
+                sample = self._plant.step(self._command(stamp))
+            except SpaceRobotError as error:
+                self._comparison.event("state", following[0], "state", "a state", f"{FAILED}{error}")
+                return f"the plant gives up after {stamp} ns"
+            self._show(following, sample)
+        return self._end(rows[-1][0])
+
+    def _show(self, row: Row, sample: PlantSample) -> None:
+        stamp, parts = row
+        self._ticks, self._last = self._ticks + 1, stamp
+        state = zip(self._codec.state.topics, self._codec.state.encode(sample.state), strict=True)
+        telemetry = self._codec.plant_telemetry.encode(sample.telemetry)[0]
+        self._comparison.compare(stamp, parts, [*state, (PLANT_TELEMETRY, telemetry)])
+
+    def _end(self, stamp: int) -> str:
+        """A recorded plant that gave up after the last state has to give up again, for the same reason."""
+        ended = self._recording.end_reason or ""
+        if ended.startswith(FAILED):
+            try:
+                self._plant.step(self._command(stamp))
+            except SpaceRobotError as error:
+                self._comparison.event("state", stamp + self._period, "state", ended, f"{FAILED}{error}")
+            else:
+                self._comparison.event("state", stamp + self._period, "state", ended, "a state")
+        return ""
+
+    def _learn(self, rows: list[Row]) -> None:
+        """Which commands there are, and which of them acted in the period that ended at a stamp."""
+        for stamp, parts in rows:
+            try:
+                raw = [parts[topic.name] for topic in self._codec.command.topics]
+                self._commands[stamp] = self._codec.command.decode(raw)
+            except KeyError:
+                continue
+            except SpaceRobotError:
+                self._notes["commands were refused and are held over"] += 1
+        self._acted = dict(_acted(self._codec, rows))
+
+    def _command(self, stamp: int) -> Command | None:
+        """What the plant was given in the period that begins at a stamp; None: its hold."""
+        acted = self._acted.get(stamp + (1 + self._delay) * self._period, stamp)
+        if acted != stamp:
+            self._notes["periods were flown with an older command, or none"] += 1
+        found = self._commands.get(acted)
+        if found is None and acted >= 0 and acted != stamp:
+            self._notes["commands that acted are not in the log"] += 1
+        return found
+
+
+def _acted(codec: TickCodec, rows: list[Row]) -> Iterator[tuple[int, int]]:
+    for stamp, parts in rows:
+        telemetry = _telemetry(codec, parts)
+        if ACTED in telemetry:
+            yield stamp, int(telemetry[ACTED])
+
+
+def _telemetry(codec: TickCodec, parts: Mapping[str, bytes]) -> dict[str, float]:
+    raw = parts.get(PLANT_TELEMETRY.name)
+    if raw is None:
+        return {}
+    try:
+        blocks = codec.plant_telemetry.decode((raw,)).items()
+    except SpaceRobotError:
+        return {}
+    return {label: float(block[0]) for label, block in blocks if label == ACTED and block.size}

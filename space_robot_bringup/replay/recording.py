@@ -1,0 +1,89 @@
+"""A recorded run ready to be computed again: its experiment and its messages by stamp, whoever wrote the bag."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from space_robot_bringup.compose import Composition, compose, versions
+from space_robot_bringup.experiment import experiment_from, experiment_path, located, with_overrides
+from space_robot_bringup.replay.changes import changed
+from space_robot_bringup.replay.foreign import foreign_rows
+from space_robot_description.validation import parse_yaml, parse_yaml_text
+from space_robot_msgs_py.bag import Bag
+from space_robot_msgs_py.errors import LogError, SpecError
+from space_robot_msgs_py.log_arrays import Row
+from space_robot_msgs_py.log_reader import LogReader
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Recording:
+    """What was recorded, and what it is computed with now.
+
+    Attributes:
+        path: as given.
+        composition: of the recorded experiment with what was overridden.
+        rows: gives stamp [ns] and canonical messages by topic name of every stamp, in order.
+        end_reason: why the run ended; None: the log was cut, or is another tool's.
+        changes: dotted key to (recorded, now) of the configuration.
+        versions: package to (recorded, here) where they differ.
+        remarks: what a reader should know about the bag.
+        foreign: another tool wrote it.
+    """
+
+    path: Path
+    composition: Composition
+    rows: Callable[[], Iterator[Row]]
+    end_reason: str | None
+    changes: dict[str, tuple[Any, Any]] = field(default_factory=dict)
+    versions: dict[str, tuple[str, str]] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+    foreign: bool = False
+
+
+def open_recording(
+    path: Path, *, experiment: str | None = None, overrides: Iterable[str] = (), namespace: str = ""
+) -> Recording:
+    """Open a log of this project, or a bag of another tool with an experiment that says what it lacks.
+
+    Args:
+        path: run directory, bag directory or .mcap file.
+        experiment: shipped name or YAML file, for bags without one.
+        overrides: ``dotted.key=value``.
+        namespace: of the topics in a bag of another tool.
+
+    Raises:
+        SpaceRobotError: no such bag, not readable, no experiment or one that cannot be composed.
+    """
+    bag = Bag(path)
+    if experiment is not None:
+        where = experiment_path(experiment)
+        data = located(parse_yaml(where), where.parent)
+        composition, changes = _composed(data, experiment, overrides)
+        rows, remarks = foreign_rows(bag, composition.joint_names, namespace)
+        return Recording(path, composition, lambda: iter(rows), None, changes, {}, tuple(remarks), foreign=True)
+    try:
+        reader = LogReader(path)
+    except LogError as error:
+        accepted = "a log with its header, or --experiment FILE for a bag of another tool"
+        raise LogError(error.message, key=error.key, accepted=accepted) from None
+    data = parse_yaml_text(reader.header.experiment, f"{reader.path} experiment.yaml:")
+    composition, changes = _composed(data, str(path), overrides)
+    if composition.joint_names != reader.header.joint_names and not any(key.startswith("robot") for key in changes):
+        raise SpecError("other joints than its experiment", key=str(path), value=reader.header.joint_names)
+    recorded, here = reader.header.versions, versions()
+    different = {
+        name: (recorded.get(name, "absent"), here.get(name, "absent"))
+        for name in sorted(recorded | here)
+        if recorded.get(name) != here.get(name)
+    }
+    return Recording(path, composition, reader.stamps, reader.end_reason, changes, different)
+
+
+def _composed(
+    data: dict[str, Any], where: str, overrides: Iterable[str]
+) -> tuple[Composition, dict[str, tuple[Any, Any]]]:
+    now = compose(experiment_from(with_overrides(data, overrides), where))
+    return now, changed(data, overrides, where)

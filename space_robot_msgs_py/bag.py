@@ -1,0 +1,176 @@
+"""Any rosbag2 bag: ours or another tool's, in one file or several, chunked, compressed, damaged or cut."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mcap.opcode import Opcode
+from mcap.records import Channel, Schema
+
+from space_robot_msgs_py.errors import InputFileError, LogError
+from space_robot_msgs_py.log_directory import METADATA_FILE
+from space_robot_msgs_py.mcap_records import MESSAGE, parse
+from space_robot_msgs_py.mcap_salvage import Damage, Record, salvage
+
+
+class BagMessage(NamedTuple):
+    """One message of a bag.
+
+    Attributes:
+        topic: as it is in the bag, mostly with a leading slash.
+        type: ``package/msg/Name``; empty if the bag does not say.
+        time: when it was recorded [ns].
+        data: CDR as its writer left it.
+    """
+
+    topic: str
+    type: str
+    time: int
+    data: bytes
+
+
+class Bag:
+    """A bag to be read message by message; damage stands in the stream where it is.
+
+    Args:
+        path: a bag directory or one of its files.
+
+    Attributes:
+        path: as given.
+        files: the MCAP files in the order in which they were recorded; none if only rosbags can read the bag.
+
+    Raises:
+        InputFileError: there is no bag.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        self.files = _mcap_files(self.path)
+
+    def records(self) -> Iterator[Record | Damage]:
+        """Every record of the data section of each file, see ``salvage``.
+
+        Raises:
+            InputFileError: a file cannot be read, or there is no MCAP file.
+        """
+        if not self.files:
+            raise InputFileError("not a bag of MCAP files", key=str(self.path), accepted="plain .mcap files")
+        for file in self.files:
+            yield from salvage(file)
+
+    def messages(self) -> Iterator[BagMessage | Damage]:
+        """Every message in the order of the files.
+
+        Raises:
+            InputFileError: the bag cannot be read at all.
+        """
+        return self._own_messages() if self.files else self._foreign_messages()
+
+    def _own_messages(self) -> Iterator[BagMessage | Damage]:
+        for file in self.files:
+            channels = Channels(str(file))
+            for item in salvage(file):
+                if isinstance(item, Damage):
+                    yield item
+                elif item.opcode == Opcode.MESSAGE:
+                    number, _, time, _ = MESSAGE.unpack_from(item.content)
+                    topic, ros_type = channels.name(number)
+                    yield BagMessage(topic, ros_type, time, item.content[MESSAGE.size :])
+                else:
+                    channels.take(item)
+
+    def _foreign_messages(self) -> Iterator[BagMessage | Damage]:
+        """What is not plain MCAP (SQLite, compression by rosbag2) is left to rosbags."""
+        from rosbags.highlevel import AnyReader
+
+        from space_robot_msgs_py.schemas import typestore
+
+        try:
+            with AnyReader([self.path], default_typestore=typestore()) as reader:
+                for connection, time, raw in reader.messages():
+                    yield BagMessage(connection.topic, connection.msgtype, time, bytes(raw))
+        except Exception as error:
+            # What a damaged bag makes rosbags, SQLite and the decompressors raise has no common base.
+            raise InputFileError(f"cannot be read as a bag: {error}", key=str(self.path)) from None
+
+
+class Channels:
+    """Channels and schemas of one file, as they come by.
+
+    Args:
+        key: the file, for error messages.
+    """
+
+    def __init__(self, key: str) -> None:
+        self._key = key
+        self.schemas: dict[int, Schema] = {}
+        self.channels: dict[int, Channel] = {}
+
+    def take(self, record: Record) -> None:
+        """Look at a record; only schemas and channels matter."""
+        if record.opcode == Opcode.SCHEMA:
+            schema = parse(Schema.read, record.content, self._key)
+            self.schemas[schema.id] = schema
+        elif record.opcode == Opcode.CHANNEL:
+            channel = parse(Channel.read, record.content, self._key)
+            self.channels[channel.id] = channel
+
+    def name(self, channel: int) -> tuple[str, str]:
+        """Topic and type of a channel; empty where the file no longer says."""
+        found = self.channels.get(channel)
+        if found is None:
+            return "", ""
+        schema = self.schemas.get(found.schema_id)
+        return found.topic, schema.name if schema is not None else ""
+
+
+def _mcap_files(path: Path) -> tuple[Path, ...]:
+    if path.is_file():
+        return (path,) if path.suffix == ".mcap" or not path.suffix else ()
+    if not path.is_dir():
+        raise InputFileError("no such bag", key=str(path), accepted="a bag directory or an .mcap file")
+    described = _description(path)
+    if described.get("compression_mode"):
+        return ()
+    listed = [path / str(name) for name in described.get("relative_file_paths") or ()]
+    files = listed if listed and all(file.is_file() for file in listed) else sorted(path.glob("*.mcap"), key=_natural)
+    if not files and not [*path.glob("*.db3"), *path.glob("*.zstd")]:
+        raise InputFileError("no bag in this directory", key=str(path), accepted="*.mcap, or what metadata.yaml lists")
+    return tuple(files) if all(file.suffix == ".mcap" for file in files) else ()
+
+
+def _description(place: Path) -> dict[str, Any]:
+    """What ``metadata.yaml`` says; nothing where it is absent or unreadable, for the files say it too."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        text = (place / METADATA_FILE).read_text(encoding="utf-8")
+        data = YAML(typ="safe", pure=True).load(text)["rosbag2_bagfile_information"]
+        return data if isinstance(data, dict) else {}
+    except (OSError, UnicodeDecodeError, YAMLError, LookupError, TypeError, ValueError, RecursionError):
+        return {}
+
+
+def _natural(path: Path) -> list[int | str]:
+    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", path.name)]
+
+
+def intact(stream: Iterator[BagMessage | Damage], key: str) -> Iterator[BagMessage]:
+    """The messages of a bag that must not be damaged; one that was cut just ends earlier.
+
+    Raises:
+        LogError: something in the middle is lost.
+    """
+    lost: Damage | None = None
+    for item in stream:
+        if isinstance(item, Damage):
+            lost = lost or item
+        elif lost is not None:
+            what = f"damaged at byte {lost.offset}: {lost.what}"
+            raise LogError(what, key=key, accepted="what `space-robot recover` makes of it")
+        else:
+            yield item
