@@ -54,7 +54,7 @@ def check(experiment: ExperimentArgument, set_: SetOption = None) -> None:
     from space_robot_bringup.experiment import load_experiment
 
     spec = load_experiment(experiment, set_ or ())
-    if line := notice([spec.controller.law], plant=False):
+    if line := notice(spec.controller.law_names, plant=False):
         err.print(line)
     composition = compose(spec)
     nominal, review = composition.nominal, composition.review()
@@ -167,7 +167,7 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
     from space_robot_bringup.run import Hooks, run_experiment
     from space_robot_bringup.stopping import StopFlag
 
-    if not quiet and (line := notice([spec.controller.law])):
+    if not quiet and (line := notice(spec.controller.law_names)):
         err.print(line)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=warn)

@@ -9,13 +9,13 @@ from math import radians
 
 import numpy as np
 
+from space_robot_bringup.controllers import make_controller
 from space_robot_bringup.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.metrics import axis_names, metric_names
 from space_robot_bringup.plant_spec import ModelSpec
 from space_robot_bringup.plants import PLANTS, PlantParts
 from space_robot_bringup.verdict import check_bands, check_expectations
 from space_robot_control.laws.base import Law, Review
-from space_robot_control.laws.registry import make_law
 from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
 from space_robot_control.rotations import from_rpy
@@ -75,8 +75,7 @@ class Composition:
 
     def controller(self) -> Law:
         """A new controller; it gets the nominal robot and nothing else."""
-        spec = self.experiment.controller
-        return make_law(spec.law, self.nominal, self.experiment.control_period, spec.gains)
+        return make_controller(self.experiment.controller, self.nominal, self.experiment.control_period)
 
     def reference(self) -> ReferenceSource:
         """The reference source: a function of time, which all who ask share."""

@@ -13,6 +13,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 from ruamel.yaml.scalarstring import LiteralScalarString
 
+from space_robot_bringup.controllers import ControllerSpec, check_controller
 from space_robot_bringup.keys import LAW_KEY, set_key
 from space_robot_bringup.plant_spec import AnyPlant, ModelSpec, PlantSpec
 from space_robot_bringup.recorded import with_recorded_log
@@ -41,13 +42,6 @@ class Initial(Strict):
         if self.joints is not None and self.joints_deg is not None:
             raise ValueError("say joints or joints_deg, not both")
         return self
-
-
-class ControllerSpec(Strict):
-    """The law and its gains; defaults live with the law."""
-
-    law: str = Field(default="computed_torque", description="name of a law, or module:Class")
-    gains: dict[str, Any] = Field(default_factory=dict, description="the law's own gains, checked by the law")
 
 
 class NominalSpec(ModelSpec):
@@ -165,6 +159,7 @@ def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
     """Check a mapping as an experiment; the time base is checked too."""
     experiment = validate(Experiment, dict(data), where)
     _ = experiment.steps
+    check_controller(experiment.controller, experiment.control_period)
     return experiment
 
 

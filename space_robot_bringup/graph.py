@@ -18,11 +18,14 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from space_robot_bringup.compose import Composition
+from space_robot_bringup.parameters import rows_of
+from space_robot_bringup.start import ROLES
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_control.nodes.guidance import GuidanceNode
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.log_writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_sim.nodes.recorder import RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
 
@@ -55,12 +58,16 @@ def local_context(domain: int, ros_arguments: Sequence[str] = ()) -> Iterator[Co
     """
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     context = Context()
-    rclpy.init(
-        args=list(ros_arguments),
-        context=context,
-        domain_id=domain,
-        signal_handler_options=SignalHandlerOptions.NO,
-    )
+    try:
+        rclpy.init(
+            args=list(ros_arguments),
+            context=context,
+            domain_id=domain,
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+    except RuntimeError as error:
+        # What rcl cannot parse, a parameter file among it; the first line says what.
+        raise SpecError(str(error).partition("\n")[0], key="--ros-args", value=list(ros_arguments)) from None
     try:
         yield context
     finally:
@@ -108,8 +115,11 @@ class Graph:
 def make_node(
     role: str, composition: Composition, directory: Path, *, realtime: float | None, mode: str, **options: Any
 ) -> GraphNode:
-    """One node of the graph by its role: recorder, guidance, controller or simulator."""
+    """One node of the graph by its role, to be brought up: recorder, guidance, controller or simulator."""
     experiment, names = composition.experiment, composition.joint_names
+    options |= {"rows": [*options.pop("rows", ()), *rows_of(role, composition)]}
+    if role in MANAGED:
+        options["steered"] = mode != "graph"
     timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
     if role == "recorder":
         return RecorderNode(
@@ -118,9 +128,9 @@ def make_node(
     if role == "guidance":
         return GuidanceNode(composition.reference(), names, **timing, **options)
     if role == "controller":
-        return ControllerNode(composition.controller(), names, **options)
+        return ControllerNode(composition.controller, names, **options)
     return SimulatorNode(
-        composition.plant(), names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
+        composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )
 
 
@@ -132,15 +142,16 @@ def _writers(composition: Composition, directory: Path, mode: str) -> Callable[[
     return open_writer
 
 
-ROLES = ("recorder", "guidance", "controller", "simulator")
+MANAGED = ("controller", "simulator")
 
 
 def make_graph(composition: Composition, directory: Path, *, context: Context, realtime: float | None = None) -> Graph:
-    """All nodes of a run in one context, ready to spin."""
+    """All nodes of a run in one context, brought up and ready to spin."""
     made: dict[str, Any] = {
         role: make_node(role, composition, directory, realtime=realtime, mode="graph", context=context, **LIGHT)
         for role in ROLES
     }
+    bring_up(made.values())
     return Graph(**made)
 
 

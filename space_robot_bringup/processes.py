@@ -13,7 +13,8 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING
 
 from space_robot_bringup.compose import Composition
-from space_robot_bringup.graph import ROLES, reserved_domain
+from space_robot_bringup.graph import reserved_domain
+from space_robot_bringup.start import ROLES
 from space_robot_bringup.stopping import REASONS
 from space_robot_msgs_py.log_reader import LogReader
 

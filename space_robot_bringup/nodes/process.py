@@ -5,7 +5,6 @@ python -m space_robot_bringup.nodes.process simulator --experiment liu2023/fig08
 
 from __future__ import annotations
 
-import argparse
 import os
 import signal
 import sys
@@ -15,12 +14,11 @@ from time import monotonic
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.experimental import EventsExecutor
+from rclpy.context import Context
 
-from space_robot_bringup.compose import compose
+from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.graph import (
-    ROLES,
     domain_number,
     drain,
     local_context,
@@ -29,9 +27,14 @@ from space_robot_bringup.graph import (
     raise_bug,
     spin,
 )
+from space_robot_bringup.start import Start, parser, start_from
 from space_robot_bringup.stopping import StopFlag
+from space_robot_description.fields import parameter_rows
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.nodes.managed import bring_up
+from space_robot_msgs_py.nodes.parameters import given_at_start
+from space_robot_sim.nodes.pacing import REALTIME
 from space_robot_sim.nodes.recorder import RecorderNode
 
 ACKNOWLEDGE_SECONDS = 5.0
@@ -41,41 +44,39 @@ POLL_SECONDS = 0.05
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one node until the run ends. Returns 0, 1 where the node failed, 2 on bad input."""
-    parser = argparse.ArgumentParser(prog="space_robot_bringup.nodes.process", description=__doc__)
-    parser.add_argument("role", choices=ROLES)
-    parser.add_argument("--experiment", required=True, help="shipped name or YAML file")
-    parser.add_argument("--out", type=Path, required=True, help="run directory (the recorder's)")
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="override one key; the same for every role"
-    )
-    parser.add_argument("--realtime", type=float, default=None, help="simulated seconds per second; default lock-step")
-    parser.add_argument("--no-record", action="store_true", help="no recorder takes part: the simulator awaits none")
-    parser.add_argument("--progress", action="store_true", help="print the tick that was reached, now and then")
     own, ros = _split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
-    options = parser.parse_args(own)
+    options = parser().parse_args(own)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         try:
-            composition = compose(load_experiment(options.experiment, options.set))
             # As every ROS process: whoever starts several of us gives them one domain, or they meet on 0.
             domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
             with local_context(domain, ros) as context:
-                node = make_node(
-                    options.role,
-                    composition,
-                    options.out,
-                    realtime=options.realtime,
-                    mode="processes",
-                    context=context,
-                    **({"recorded": not options.no_record} if options.role == "simulator" else {}),
-                )
-                executor = make_executor(context)
-                executor.add_node(node)
-                return _spin(
-                    node, executor, stop, _printer(composition.experiment.period) if options.progress else None
-                )
+                start = start_from(vars(options), given_at_start(options.role, context))
+                composition = compose(load_experiment(start.experiment, start.set))
+                node = _node(options.role, start, composition, context)
+                progress = _printer(composition.experiment.period) if options.progress else None
+                return _spin(node, stop, progress)
         except SpaceRobotError as error:
             print(f"space-robot {options.role}: {error}", file=sys.stderr)
             return 2
+
+
+def _node(role: str, start: Start, composition: Composition, context: Context) -> GraphNode:
+    node = make_node(
+        role,
+        composition,
+        Path(start.out),
+        realtime=start.realtime or None,
+        mode="processes",
+        context=context,
+        # The simulator's own is the one that may change in flight.
+        rows=[row for row in parameter_rows(start) if row.name != REALTIME or role != "simulator"],
+        overridable=True,
+        **({} if role != "simulator" else {"recorded": start.record}),
+    )
+    if start.autostart:
+        bring_up([node])
+    return node
 
 
 def _split_ros_arguments(arguments: list[str]) -> tuple[list[str], list[str]]:
@@ -84,9 +85,10 @@ def _split_ros_arguments(arguments: list[str]) -> tuple[list[str], list[str]]:
     return arguments[:split], arguments[split:]
 
 
-def _spin(
-    node: GraphNode, executor: EventsExecutor, stop: StopFlag, progress: Callable[[GraphNode], None] | None
-) -> int:
+def _spin(node: GraphNode, stop: StopFlag, progress: Callable[[GraphNode], None] | None) -> int:
+    executor = make_executor(node.context)
+    executor.add_node(node)
+
     def poll() -> None:
         if stop.reason is not None:
             node.end(stop.reason)

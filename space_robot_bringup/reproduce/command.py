@@ -73,7 +73,8 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     if order.markdown is not None and not order.markdown.resolve().parent.is_dir():
         raise InputFileError("no such folder", key="--markdown", value=str(order.markdown))
     directory = order.directory or Path("out") / plan.name
-    laws = [flight.experiment.controller.law for flight in plan.flights(figures).values()]
+    flights = plan.flights(figures).values()
+    laws = [name for flight in flights for name in flight.experiment.controller.law_names]
     if not order.as_json and (line := notice(laws)):
         err.print(line)
     prepare(plan, figures, directory)

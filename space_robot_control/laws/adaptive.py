@@ -21,7 +21,7 @@ from space_robot_control.laws.wheels import WheelMomentum
 from space_robot_description.kernel.cache import cached
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
 
 class Adaptive(Law):
@@ -92,6 +92,12 @@ class Adaptive(Law):
         self._wheels = WheelMomentum(self.robot, known=self.gains.gyroscopic)
         self._mass: Vector | None = None
 
+    def resume(self) -> None:
+        """Go on with what was learned of the robot; only the period before is forgotten."""
+        super().reset()
+        self._cycle.reset()
+        self._update.pause()
+
     def retune(self, gains: Gains) -> None:
         """Go on with another Lambda or kappa; K_D stays kappa times the matrix of the first state."""
         weight = gains.lambda_.values(self.robot, "controller.gains.lambda")[self._first :]
@@ -121,10 +127,14 @@ class Adaptive(Law):
         desk = self._cycle.desk
         blocks = {**self._error_blocks(), "lyapunov_function": value, **self._update.blocks()}
         self._update.track(desk.rows, desk.entailed)
-        # What acts from now on, for the update and for the wheels.
-        middle = self._wheels.hold(u[3:6], self.control_period)
-        self._update.hold(Held(x, dx, omega, middle, u[:6]))
+        self._start = x, dx, omega
         return u, blocks
+
+    def hold(self, command: Command, *, own: bool) -> None:
+        """What acts from now on, for the update and for the wheels."""
+        wrench = np.array(command.wrench)
+        middle = self._wheels.hold(wrench[3:], self.control_period)
+        self._update.hold(Held(*self._start, middle, wrench))
 
     def _first_mass_matrix(self, x: Vector) -> Vector:
         matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any, ClassVar
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.laws.tracking import prepare
-from space_robot_description.fields import changed
+from space_robot_description.fields import changed, parameter_rows
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import CommandError, ControlError, NonFiniteError, SpecError
@@ -26,6 +26,7 @@ from space_robot_msgs_py.interfaces import (
     Telemetry,
     Vector,
 )
+from space_robot_msgs_py.parameters import ParameterRow
 
 Blocks = Mapping[str, npt.ArrayLike]
 GAINS = "gains."
@@ -86,9 +87,9 @@ class Law(ABC):
         self.control_period = control_period
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
-        prepare()
         self._tuned: dict[str, Any] = {}
         self._untold: list[tuple[str, Mapping[str, Any]]] = []
+        prepare()
 
     @classmethod
     def must_compile(cls) -> bool:
@@ -125,6 +126,14 @@ class Law(ABC):
         # A run that starts with other gains than its experiment says tells so first of all.
         self._untold = [("parameters", {"values": dict(self._tuned)})] if self._tuned else []
 
+    def resume(self) -> None:
+        """Get ready to answer again after states that others answered; by default like the first of a run."""
+        self.reset()
+
+    def parameters(self) -> Iterator[ParameterRow]:
+        """The gains in force, as ``gains.<dotted name>``; those marked dynamic are what ``tune`` takes."""
+        return parameter_rows(self.gains, GAINS)
+
     def tune(self, changes: Mapping[str, Any]) -> None:
         """Change gains in flight, from the next update on, whose output has the event; all of them or none.
 
@@ -153,8 +162,28 @@ class Law(ABC):
         """Put an event into the next output, see ``ControllerEvent``."""
         self._untold.append((kind, content))
 
+    def hold(self, command: Command, *, own: bool) -> None:
+        """Learn what acts from now on; called once after each ``compute``. By default it is not of interest.
+
+        Args:
+            command: what is sent.
+            own: it is what ``compute`` returned; False while this law takes over from another, see ``Switching``.
+        """
+        del command, own
+
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer one state with a command and telemetry of the same stamp.
+
+        Raises:
+            CommandError: state or reference does not fit the robot or each other.
+            ControlError: the law met or made numbers it cannot go on with.
+        """
+        output = self.answer(state, reference)
+        self.hold(output.command, own=True)
+        return output
+
+    def answer(self, state: RobotState, reference: Reference) -> ControlOutput:
+        """``update`` without its last step, for a caller that says itself what is held.
 
         Raises:
             CommandError: state or reference does not fit the robot or each other.

@@ -107,6 +107,10 @@ class ParameterUpdate:
         """Remember what the next period starts with."""
         self._held = held
 
+    def pause(self) -> None:
+        """Others command for a while: nothing is learned from the period that is under way."""
+        self._held = None
+
     def blocks(self) -> Blocks:
         """Telemetry of the update; the labels depend on the gains only."""
         out: dict[str, Vector | float] = {"parameters": self.estimate, "consistent": float(self.consistent)}

@@ -23,7 +23,7 @@ from space_robot_control.rotations import cross
 from space_robot_description.kernel.cache import cached
 from space_robot_description.kernel.jit import ready
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
 
 class TerminalSliding(Law):
@@ -127,6 +127,11 @@ class TerminalSliding(Law):
         # What a clipped command leads to is not known here; the estimate then waits.
         self.observer.expect(None if saturated else wished)
         return (self._fitted(state, u) if saturated else u), blocks
+
+    def hold(self, command: Command, *, own: bool) -> None:
+        """What another law has a part in leads to what is not known here; the disturbance estimate then waits."""
+        if not own:
+            self.observer.expect(None)
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Judge the loop gain per DoF at the rates the start error will lead to, before flying."""

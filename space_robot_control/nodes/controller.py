@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.duration import Duration
+from std_srvs.srv import Trigger
 
+from space_robot_control.laws.base import Law
+from space_robot_control.laws.switching import ACTIVE, Switching
+from space_robot_description.validation import parse_yaml_value
 from space_robot_msgs_py.codecs import (
     CommandCodec,
     ReferenceCodec,
@@ -15,44 +20,80 @@ from space_robot_msgs_py.codecs import (
     peek_stamp,
 )
 from space_robot_msgs_py.errors import SpaceRobotError
-from space_robot_msgs_py.interfaces import Controller, ControlOutput, Reference, RobotState
+from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
 from space_robot_msgs_py.joiner import StampJoiner
-from space_robot_msgs_py.nodes.base import GraphNode, publish_all
+from space_robot_msgs_py.nodes.base import publish_all
+from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, Topic
 
 JOIN_CAPACITY = 1024
 HEARING_SECONDS = 5.0
 
 
-class ControllerNode(GraphNode):
+class ControllerNode(ManagedNode):
     """Joins state and reference of equal stamp, asks the law, publishes command and telemetry under the same stamp.
 
+    Dynamic gains are dynamic parameters; a change acts from the next state on and is published on ``controller/events``
+    before the command it acts on. With laws in standby ``~/switch`` (std_srvs/Trigger) and the parameter
+    ``active_law`` let another law take over.
+
+    Deactivated it does not answer: a lock-step run stands still, a paced one flies on in the plant's hold. Activated
+    again it answers the state that waits; where others passed meanwhile, the law starts anew.
+
     Args:
-        controller: the law, ready made.
+        make_law: builds the law, each time the node is configured.
         joint_names: the robot's joints in model order.
         name: node name.
-        options: see GraphNode.
+        options: see ManagedNode.
     """
 
     def __init__(
-        self, controller: Controller, joint_names: tuple[str, ...], *, name: str = "controller", **options: Any
+        self, make_law: Callable[[], Law], joint_names: tuple[str, ...], *, name: str = "controller", **options: Any
     ) -> None:
         super().__init__(name, **options)
-        self._controller = controller
+        self._make_law = make_law
         self._state = StateCodec(joint_names)
         self._reference = ReferenceCodec(joint_names)
         self._command = CommandCodec(joint_names)
         self._telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
-        self._last_stamp = -1
         self.malformed = 0
+
+    def configure(self) -> None:
+        """Build the law and listen; states that come before it is activated wait."""
+        self._law = self._make_law()
+        self._law.reset()
+        self.parameters.declare(self._law.parameters())
+        self._last_stamp, self._passed_by = -1, False
+        self._waiting: tuple[RobotState, Reference] | None = None
         self._command_publishers = [self.publisher(topic) for topic in self._command.topics]
         self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
         self._event_publisher = self.publisher(CONTROLLER_EVENTS)
+        if isinstance(self._law, Switching):
+            self.create_service(Trigger, "~/switch", self._on_switch)
         inputs = (*self._state.topics, *self._reference.topics)
         self._joiner: StampJoiner[bytes] = StampJoiner(len(inputs), JOIN_CAPACITY, once=False)
-        self._controller.reset()
         for index, topic in enumerate(inputs):
             self._listen_part(index, topic)
+
+    def activate(self) -> None:
+        """Answer the newest state that waits."""
+        if self._passed_by:
+            self._law.reset()
+            self._passed_by = False
+        if self._waiting is not None:
+            self._answer(*self._waiting)
+
+    def cleanup(self) -> None:
+        """Forget the law."""
+        del self._law
+
+    def retune(self, changes: dict[str, Any]) -> None:
+        """Change gains or the active law from the next state on.
+
+        Raises:
+            SpecError: the law does not accept it.
+        """
+        self._law.tune({key: parse_yaml_value(v, key) if isinstance(v, str) else v for key, v in changes.items()})
 
     def _listen_part(self, index: int, topic: Topic) -> None:
         def on_part(raw: bytes) -> None:
@@ -63,7 +104,7 @@ class ControllerNode(GraphNode):
                 self._refuse(topic, error)
                 return
             if values is not None:
-                self._answer(*values)
+                self._take_in(*values)
 
         self.listen(topic, on_part)
 
@@ -76,12 +117,20 @@ class ControllerNode(GraphNode):
         split = len(self._state.topics)
         return self._state.decode(parts[:split]), self._reference.decode(parts[split:])
 
+    def _take_in(self, state: RobotState, reference: Reference) -> None:
+        if self.active:
+            self._answer(state, reference)
+            return
+        self._passed_by = self._passed_by or self._waiting is not None
+        self._waiting = state, reference
+
     def _answer(self, state: RobotState, reference: Reference) -> None:
+        self._waiting = None
         if state.stamp <= self._last_stamp:
-            self._controller.reset()
+            self._law.reset()
         self._last_stamp = state.stamp
         try:
-            output = self._controller.update(state, reference)
+            output = self._law.update(state, reference)
         except SpaceRobotError as error:
             self.fail(error)
             return
@@ -95,3 +144,15 @@ class ControllerNode(GraphNode):
         # Telemetry first: when the plant has stepped, everything that belongs to the step before is on its way.
         self._telemetry_publisher.publish(self._telemetry.encode(output.telemetry)[0])
         publish_all(self._command_publishers, self._command.encode(output.command))
+        for event in output.events:
+            self.get_logger().info(event.line)
+            if event.kind == "switch":
+                self.parameters.show(ACTIVE, event.content["to"])
+
+    def _on_switch(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        assert isinstance(self._law, Switching)
+        target = self._law.next_in_turn()
+        self._law.switch_to(target)
+        response.success = True
+        response.message = f"{target} takes over from {self._law.active} at the next state"
+        return response

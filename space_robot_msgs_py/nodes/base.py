@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
 from space_robot_msgs_py.codecs import decode_string, encode_string
-from space_robot_msgs_py.errors import LayoutError
+from space_robot_msgs_py.errors import LayoutError, SpecError
+from space_robot_msgs_py.nodes.parameters import NodeParameters
+from space_robot_msgs_py.parameters import ParameterRow
 from space_robot_msgs_py.ros import message_class, qos
 from space_robot_msgs_py.topics import RUN_END, Topic
 
@@ -28,24 +31,48 @@ class GraphNode(Node):  # type: ignore[misc]
         end_reason: why the run ended, once it has.
         over: done when it has; what an executor spins for.
         failure: the exception that stopped this node.
+        parameters: what it shows of itself.
 
     Args:
         name: node name.
         context: the rclpy context to live in; None is the default context.
+        rows: its parameters.
+        overridable: history, depth and reliability of every topic are parameters that may be given at the start.
         options: further keyword arguments of rclpy.node.Node, e.g. ``namespace``.
     """
 
-    def __init__(self, name: str, *, context: Context | None = None, **options: Any) -> None:
+    def __init__(
+        self,
+        name: str,
+        *,
+        context: Context | None = None,
+        rows: Iterable[ParameterRow] = (),
+        overridable: bool = False,
+        **options: Any,
+    ) -> None:
         super().__init__(name, context=context, **options)
+        self._qos_options = QoSOverridingOptions.with_default_policies() if overridable else None
+        self.parameters = NodeParameters(self, self.tune)
+        self.parameters.declare(rows)
         self.end_reason: str | None = None
         self.over = Future()
         self.failure: Exception | None = None
         self._end_publisher = self.publisher(RUN_END)
         self.listen(RUN_END, self._on_run_end)
 
+    def tune(self, changes: dict[str, Any]) -> None:
+        """Take over parameters that were set in flight, all or none; a node without dynamic ones is never asked.
+
+        Raises:
+            SpecError: the reason why not.
+        """
+        raise SpecError("cannot change in flight", key=", ".join(changes))
+
     def publisher(self, topic: Topic) -> Publisher:
         """A publisher of that row of the table."""
-        return self.create_publisher(message_class(topic), topic.name, qos(topic))
+        return self.create_publisher(
+            message_class(topic), topic.name, qos(topic), qos_overriding_options=self._qos_options
+        )
 
     def listen(self, topic: Topic, callback: Callable[[bytes], None]) -> Subscription:
         """Subscribe to the raw bytes of that row of the table.
@@ -61,7 +88,9 @@ class GraphNode(Node):  # type: ignore[misc]
             except Exception as error:
                 self.fail(error)
 
-        return self.create_subscription(message_class(topic), topic.name, guarded, qos(topic), raw=True)
+        return self.create_subscription(
+            message_class(topic), topic.name, guarded, qos(topic), raw=True, qos_overriding_options=self._qos_options
+        )
 
     def end(self, reason: str) -> None:
         """Tell the whole graph that the run is over, and why; the first reason counts."""

@@ -34,7 +34,8 @@ class SimulatorHealth:
 
     def _on_timer(self) -> None:
         progress = self._simulator.tick - max(self._seen_tick, 0)
-        if self._simulator.tick != self._seen_tick or self._simulator.paused or self._simulator.end_reason is not None:
+        standing = self._simulator.paused or not self._simulator.active or self._simulator.end_reason is not None
+        if standing or self._simulator.tick != self._seen_tick:
             self._seen_tick, self._silent_since = self._simulator.tick, self._clock.now()
         silence = (self._clock.now() - self._silent_since).nanoseconds * 1e-9
         self._publish(progress, silence)

@@ -7,16 +7,17 @@ from typing import Any
 
 from space_robot_msgs_py.codecs import StateCodec, TelemetryCodec, decode_clock, encode_clock, encode_string
 from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
-from space_robot_msgs_py.nodes.base import GraphNode, publish_all
+from space_robot_msgs_py.nodes.base import publish_all
+from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION
 from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.health import SimulatorHealth
-from space_robot_sim.nodes.pacing import Pacer
+from space_robot_sim.nodes.pacing import REALTIME, Pacer, realtime_row
 from space_robot_sim.nodes.services import RunServices
 from space_robot_sim.nodes.transforms import TransformPublisher
 
 
-class SimulatorNode(GraphNode):
+class SimulatorNode(ManagedNode):
     """Carries a plant through ``steps`` control periods.
 
     Lock-step (default): state k is published with stamp k T, and the plant steps when the command with that stamp is
@@ -24,10 +25,12 @@ class SimulatorNode(GraphNode):
     further ahead of it than its credit, so that nothing is lost.
 
     Paced (``realtime`` given): the steady clock advances the plant, a period without a command is flown with the newest
-    valid one or the plant's hold, and both are counted.
+    valid one or the plant's hold, and both are counted. The factor is the dynamic parameter ``realtime``.
+
+    Deactivated, time stands still; after cleanup the plant is built anew and the run starts again.
 
     Args:
-        plant: the true robot, ready made.
+        make_plant: builds the true robot, each time the node is configured.
         joint_names: the robot's joints in model order.
         urdf: what goes on ``robot_description``.
         period: control period [ns].
@@ -35,12 +38,12 @@ class SimulatorNode(GraphNode):
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
-        options: see GraphNode.
+        options: see ManagedNode.
     """
 
     def __init__(
         self,
-        plant: Plant,
+        make_plant: Callable[[], Plant],
         joint_names: tuple[str, ...],
         *,
         urdf: str,
@@ -53,29 +56,51 @@ class SimulatorNode(GraphNode):
         **options: Any,
     ) -> None:
         super().__init__(name, **options)
-        self._plant, self._period, self._steps = plant, period, steps
+        self._make_plant, self._joint_names, self._urdf = make_plant, joint_names, urdf
+        self._period, self._steps, self._patience = period, steps, patience
+        self._realtime, self._recorded = realtime, recorded
         self._states = StateCodec(joint_names)
         self._telemetry = TelemetryCodec(PLANT_TELEMETRY)
+        self.tick = 0
+        self.sample: PlantSample | None = None
+        self.started = False
+        self.on_tick: Callable[[int], None] = lambda tick: None
+
+    def configure(self) -> None:
+        """Build the plant and listen; time stands still until it is activated."""
+        self._plant = self._make_plant()
+        self.sample, self.tick, self.started = self._plant.reset(), 0, False
+        self._steps_granted: int | None = None
+        self._credit = -1 if self._recorded else self._steps * self._period
         self._state_publishers = [self.publisher(topic) for topic in self._states.topics]
         self._telemetry_publisher = self.publisher(PLANT_TELEMETRY)
         self._clock_publisher = self.publisher(CLOCK)
         self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
-        self._description_publisher.publish(encode_string(urdf))
-        self._transforms = TransformPublisher(self, urdf, joint_names)
-        self.tick = 0
-        self.sample: PlantSample | None = None
-        self._steps_granted: int | None = None
-        self._credit = -1 if recorded else steps * period
-        self.started = False
-        self.on_tick: Callable[[int], None] = lambda tick: None
-        self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=realtime is not None)
-        self.pacer = Pacer(self, period / realtime, self._on_period) if realtime is not None else None
+        self._description_publisher.publish(encode_string(self._urdf))
+        self._transforms = TransformPublisher(self, self._urdf, self._joint_names)
+        paced = self._realtime is not None
+        self.commands = CommandPort(self, self._joint_names, self._on_answer, keep_late=paced)
+        self.pacer = Pacer(self, self._period / self._realtime, self._on_period) if self._realtime else None
+        self.parameters.declare([realtime_row(self._realtime)])
         self._steering = RunServices(self)
-        self._health = SimulatorHealth(self, patience)
-        self.sample = plant.reset()
+        self._health = SimulatorHealth(self, self._patience)
         self.listen(RECORDER_CREDIT, self._on_credit)
-        if not recorded:
-            self._begin(self.sample)
+
+    def activate(self) -> None:
+        """Start as soon as the recorder hears everybody, or go on."""
+        if self.pacer is not None:
+            self.pacer.restart()
+        self._start()
+        self._on_answer()
+
+    def cleanup(self) -> None:
+        """Forget the plant."""
+        del self._plant
+
+    def retune(self, changes: dict[str, Any]) -> None:
+        """Fly faster or slower from the next period on."""
+        if self.pacer is not None:
+            self.pacer.pace(self._period / changes[REALTIME])
 
     @property
     def stamp(self) -> int:
@@ -105,9 +130,12 @@ class SimulatorNode(GraphNode):
 
     def _on_credit(self, raw: bytes) -> None:
         self._credit = max(self._credit, decode_clock(raw))
-        if not self.started and self.sample is not None:
-            self._begin(self.sample)
+        self._start()
         self._on_answer()
+
+    def _start(self) -> None:
+        if self.active and not self.started and self._credit >= 0 and self.sample is not None:
+            self._begin(self.sample)
 
     def _begin(self, sample: PlantSample) -> None:
         if self.pacer is not None:
@@ -132,7 +160,7 @@ class SimulatorNode(GraphNode):
             self._advance(self.commands.take_newest())
 
     def _may_advance(self) -> bool:
-        if self.end_reason is not None or not self.started or self._steps_granted == 0:
+        if not self.active or self.end_reason is not None or not self.started or self._steps_granted == 0:
             return False
         if self.pacer is None and self.tick < self._steps and self.stamp + self._period > self._credit:
             return False

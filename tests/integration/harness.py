@@ -16,6 +16,7 @@ from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.graph import LIGHT, make_node, private_context
 from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_msgs_py.topics import Topic
 from space_robot_sim.nodes.recorder import RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
@@ -76,14 +77,20 @@ def flight(
     experiment: str = "liu2023/fig08",
     roles: tuple[str, ...] = ("recorder", "guidance", "controller", "simulator"),
     realtime: float | None = None,
+    services: bool = False,
 ) -> Iterator[Flight]:
-    """A composed graph with the given roles in one private context; the recorder's log is closed at the end."""
+    """A composed graph with the given roles in one private context; the recorder's log is closed at the end.
+
+    With ``services`` the nodes have those of parameters and of the life cycle, as nodes of their own processes have.
+    """
     composition = compose(load_experiment(experiment, overrides))
     with private_context() as context:
-        options: dict[str, Any] = {"context": context, **LIGHT}
+        options: dict[str, Any] = {"context": context, **({} if services else LIGHT)}
+        mode = "processes" if services else "graph"
         nodes = {
-            role: make_node(role, composition, directory, realtime=realtime, mode="graph", **options) for role in roles
+            role: make_node(role, composition, directory, realtime=realtime, mode=mode, **options) for role in roles
         }
+        bring_up(nodes.values())
         stranger = GraphNode("stranger", **options)
         executor = EventsExecutor(context=context)
         for node in (*nodes.values(), stranger):

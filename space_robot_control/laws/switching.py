@@ -1,0 +1,208 @@
+"""Several laws of which one answers; another takes over at a period boundary without a bump in the command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from space_robot_control.laws.base import GAINS, Blocks, Law, Review
+from space_robot_control.laws.tracking import error_blocks, tracking_errors
+from space_robot_description.robot import Robot
+from space_robot_description.validation import nearest
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import NANOSECONDS, Command, Reference, RobotState, Vector
+from space_robot_msgs_py.parameters import ParameterRow
+
+ACTIVE = "active_law"
+STANDBY = "standby."
+
+
+class Switching(Law):
+    """u(k) = u_new(k) + w(k) (u(s-1) - u_new(s)), w falling linearly from 1 at the switch s to 0 after ``handover``.
+
+    The first command of the new law is thus the last one of the law before, and from one period to the next the command
+    changes by what the new law wants and by a share T/handover of the bump there would have been: the smallest largest
+    step. A law that takes over starts as at the beginning of a run, but for what it learned of the robot, see
+    ``Law.resume``. It is told what is commanded, so that its estimator does not take the torque of the law before for
+    the robot's doing.
+
+    Telemetry, in one layout for the whole run: the errors every law has; active_law (index, 0 the first), handover (w),
+    and everything else of each law as ``<name>.<label>``, 0 while the law does not fly. For these labels every law is
+    asked once, at the first state.
+
+    Args:
+        robot: the NOMINAL robot.
+        control_period: [s].
+        laws: by name; the first one starts.
+        switches: (stamp [ns], name) in order of time; done with the first state of that stamp or later.
+        handover: how long w takes from 1 to 0 [s]; 0: a switch is a step.
+
+    Raises:
+        SpecError: fewer than two laws, or a switch to a law that is not there.
+
+    Deviations from the paper: none, it is ours; a common choice, Zaccarian and Teel, "A common framework for
+    anti-windup, bumpless transfer and reliable designs", Automatica 38(10), 2002, treats what may replace w.
+    """
+
+    name = "switching"
+
+    def __init__(
+        self,
+        robot: Robot,
+        control_period: float,
+        laws: Mapping[str, Law],
+        *,
+        switches: Sequence[tuple[int, str]] = (),
+        handover: float = 5.0,
+    ) -> None:
+        super().__init__(robot, control_period)
+        if len(laws) < 2:
+            raise SpecError("nothing to switch to", key="laws", value=list(laws), accepted="two laws or more")
+        self._laws, self._names = dict(laws), tuple(laws)
+        for _, name in switches:
+            self._check_name(name)
+        self._switches, self._handover = tuple(switches), round(handover * NANOSECONDS)
+        self.reset()
+
+    @property
+    def active(self) -> str:
+        """Name of the law that answers."""
+        return self._active
+
+    def reset(self) -> None:
+        """Back to the first law, which starts anew like all others."""
+        super().reset()
+        for law in self._laws.values():
+            law.reset()
+        self._active, self._asked, self._due = self._names[0], "", 0
+        self._labels: dict[str, dict[str, int]] | None = None
+        self._last: Vector | None = None
+        self._bump, self._since = np.zeros(6 + self.n), -self._handover
+
+    def switch_to(self, name: str) -> None:
+        """Let that law take over at the next update.
+
+        Raises:
+            SpecError: there is no such law.
+        """
+        self._check_name(name)
+        self._asked = name
+
+    def next_in_turn(self) -> str:
+        """Name of the law after the active one, in the order of the experiment; after the last comes the first."""
+        return self._names[(self._names.index(self._active) + 1) % len(self._names)]
+
+    def parameters(self) -> Iterator[ParameterRow]:
+        """The active law and the gains of all laws; those of the ones in standby are ``standby.<name>.gains...``."""
+        names = ", ".join(self._names)
+        yield ParameterRow(ACTIVE, self._active, f"the law that answers: {names}", dynamic=True)
+        for prefix, law in self._prefixed().items():
+            for row in law.parameters():
+                yield ParameterRow(f"{prefix}{row.name}", row.value, row.description, row.dynamic, row.lower, row.upper)
+
+    def tune(self, changes: Mapping[str, object]) -> None:
+        """Change gains of one law, or ``active_law``, from the next update on.
+
+        Raises:
+            SpecError: see ``Law.tune``; or the changes are for more than one law.
+        """
+        gains = dict(changes)
+        asked = gains.pop(ACTIVE, None)
+        if asked is not None:
+            self._check_name(asked)
+        owners = {self._owner(key) for key in gains}
+        if len(owners) > 1:
+            raise SpecError("one law at a time", key=", ".join(gains))
+        for prefix in owners:
+            self._prefixed()[prefix].tune({key.removeprefix(prefix): value for key, value in gains.items()})
+            self._tuned |= gains
+            self.tell("parameters", {"values": gains})
+        if asked is not None:
+            self.switch_to(str(asked))
+
+    def review(self, path: Sequence[Reference]) -> Review:
+        """What each of the laws says."""
+        reviews = [law.review(path) for law in self._laws.values()]
+        return Review(
+            tuple(fact for review in reviews for fact in review.facts),
+            tuple(warning for review in reviews for warning in review.warnings),
+        )
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return u and the telemetry listed at the class."""
+        errors = error_blocks(tracking_errors(state, reference))
+        if self._labels is None:
+            self._labels = self._ask_all(state, reference, set(errors))
+        taking_over = self._turn(state.stamp)
+        law = self._laws[self._active]
+        output = law.answer(state, reference)
+        u = output.command.u
+        if taking_over and self._last is not None:
+            self._bump, self._since = self._last - u, state.stamp
+        weight = self._weight(state.stamp)
+        if weight:
+            u = u + weight * self._bump
+            law.hold(Command(state.stamp, u[:6], u[6:]), own=False)
+        else:
+            law.hold(output.command, own=True)
+        self._last = u
+        shown = {label: block for label, block in output.telemetry.items() if label in self._labels[self._active]}
+        return u, {
+            **errors,
+            ACTIVE: float(self._names.index(self._active)),
+            "handover": weight,
+            **self._blocks(self._labels, shown),
+        }
+
+    def _turn(self, stamp: int) -> bool:
+        """Follow the schedule and what was asked for, which counts more; True if another law is to answer now."""
+        target = self._active
+        while self._due < len(self._switches) and self._switches[self._due][0] <= stamp:
+            target = self._switches[self._due][1]
+            self._due += 1
+        target, self._asked = self._asked or target, ""
+        if target == self._active:
+            return False
+        self.tell("switch", {"from": self._active, "to": target})
+        self._active = target
+        self._laws[target].resume()
+        return True
+
+    def _weight(self, stamp: int) -> float:
+        passed = stamp - self._since
+        return max(0.0, 1.0 - passed / self._handover) if self._handover else 0.0
+
+    def _ask_all(self, state: RobotState, reference: Reference, shared: set[str]) -> dict[str, dict[str, int]]:
+        """Labels and sizes of what each law shows beside the shared errors."""
+        found = {}
+        for name, law in self._laws.items():
+            telemetry = law.answer(state, reference).telemetry
+            law.reset()
+            sizes = zip(telemetry.labels, telemetry.sizes, strict=True)
+            found[name] = {label: size for label, size in sizes if label not in shared}
+        return found
+
+    def _blocks(self, labels: Mapping[str, Mapping[str, int]], shown: Blocks) -> Blocks:
+        return {
+            f"{name}.{label}": shown[label] if name == self._active else np.zeros(size)
+            for name, sizes in labels.items()
+            for label, size in sizes.items()
+        }
+
+    def _prefixed(self) -> dict[str, Law]:
+        """Each law under what stands before its ``gains.``."""
+        return {f"{STANDBY}{name}." if i else "": law for i, (name, law) in enumerate(self._laws.items())}
+
+    def _owner(self, key: str) -> str:
+        """The prefix in a key."""
+        prefix = key.partition(GAINS)[0]
+        if prefix not in self._prefixed():
+            accepted = ", ".join(f"{one}{GAINS}..." for one in self._prefixed())
+            raise SpecError("there is no such number to change", key=f"controller.{key}", accepted=accepted)
+        return prefix
+
+    def _check_name(self, name: object) -> None:
+        if name not in self._laws:
+            accepted = nearest(name, self._names) or ", ".join(self._names)
+            raise SpecError("not among the laws of this run", key=ACTIVE, value=name, accepted=accepted)

@@ -1,0 +1,140 @@
+"""Nodes of their own processes started as ROS starts nodes: by parameters, from files, in namespaces, by remapping."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from space_robot_bringup.parameters import overrides_from
+from space_robot_bringup.start import Start, start_from
+from space_robot_msgs_py.errors import SpecError
+
+pytest.importorskip("rclpy")
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.graph import reserved_domain
+from space_robot_bringup.run import run_experiment
+from space_robot_msgs_py.log_reader import LogReader
+
+pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
+
+ROOT = Path(__file__).parents[2]
+ROLES = ("recorder", "guidance", "controller", "simulator")
+LAW = "examples/my_law.py:PdPlus"
+PARAMETERS = f"""
+/**:
+  ros__parameters:
+    experiment: liu2023/fig08
+    law: {ROOT / LAW}
+    gains.bandwidth: 0.6
+    duration: 5.0
+    set: [seed=3]
+"""
+
+
+def start(role: str, domain: int, *arguments: str) -> subprocess.Popen[str]:
+    """One node as a process."""
+    environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
+    command = [sys.executable, "-m", "space_robot_bringup.nodes.process", role, *arguments]
+    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+
+
+def ended(children: list[subprocess.Popen[str]]) -> list[str]:
+    """What they said, all of them having ended well."""
+    said = [child.communicate(timeout=120)[1] for child in children]
+    assert [child.returncode for child in children] == [0] * len(children), said
+    return said
+
+
+def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path) -> None:
+    """Experiment, law, gains and overrides from --params-file give the bits of a run with the same overrides."""
+    file, run = tmp_path / "parameters.yaml", tmp_path / "run"
+    file.write_text(PARAMETERS)
+    given = ["--ros-args", "--params-file", str(file), "-p", f"out:={run}"]
+    with reserved_domain() as domain:
+        ended([start(role, domain, *given) for role in ROLES])
+    sets = [f"controller.law={ROOT / LAW}", "controller.gains.bandwidth=0.6", "duration=5.0", "seed=3"]
+    run_experiment(load_experiment("liu2023/fig08", sets), tmp_path / "same" / "run", mode="headless")
+    same = LogReader(tmp_path / "same" / "run")
+    assert list(LogReader(run).messages()) == list(same.messages())
+    assert LogReader(run).header.experiment == same.header.experiment
+
+
+def test_two_robots_on_one_domain_do_not_hear_each_other(tmp_path: Path) -> None:
+    """Each in its namespace, on one domain at the same time, they fly what each would fly alone."""
+    plans = {"alpha": ["duration=5.0"], "beta": ["duration=5.0", "controller.gains.kappa=0.5"]}
+    with reserved_domain() as domain:
+        ended(
+            [
+                start(role, domain, "--out", str(tmp_path / name), *_sets(sets), "--ros-args", "-r", f"__ns:=/{name}")
+                for name, sets in plans.items()
+                for role in ROLES
+            ]
+        )
+    for name, sets in plans.items():
+        run_experiment(load_experiment("liu2023/fig08", sets), tmp_path / "same" / name, mode="headless")
+        flown, alone = LogReader(tmp_path / name), LogReader(tmp_path / "same" / name)
+        assert list(flown.messages()) == list(alone.messages())
+
+
+def test_topics_can_be_remapped_and_their_quality_overridden(tmp_path: Path) -> None:
+    """With the commands under other names at both ends, and another depth by parameter, the run is the same."""
+    remapped = [
+        *("--ros-args", "-r", "joint_command:=arm/effort", "-r", "base/wrench_command:=bus/wrench"),
+        *("-p", "qos_overrides./arm/effort.publisher.depth:=500"),
+    ]
+    run = tmp_path / "run"
+    with reserved_domain() as domain:
+        ended([start(role, domain, "--out", str(run), "--set", "duration=5.0", *remapped) for role in ROLES])
+    run_experiment(load_experiment("liu2023/fig08", ["duration=5.0"]), tmp_path / "same" / "run", mode="headless")
+    assert list(LogReader(run).messages()) == list(LogReader(tmp_path / "same" / "run").messages())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (["-p", "experiment:=nowhere"], "nowhere"),
+        (["-p", "gains.kapa:=1.0"], "controller.gains.kapa"),
+        (["-p", "law:=nothing"], "no such law"),
+        (["-p", "realtime:=fast"], "parameter realtime"),
+        (["-p", "colour:=red"], "colour"),
+        (["--params-file", "/nowhere.yaml"], "--ros-args"),
+        (["-p", "gains.kappa:={a"], "--ros-args"),
+    ],
+)
+def test_what_cannot_be_is_said_in_one_line(arguments: list[str], why: str) -> None:
+    """Exit code 2, the key and the reason, no traceback, and nothing is left behind."""
+    with reserved_domain() as domain:
+        child = start("controller", domain, "--ros-args", *arguments)
+        said = child.communicate(timeout=60)[1]
+    assert child.returncode == 2, said
+    assert why in said
+    assert "Traceback" not in said
+
+
+def test_the_command_line_counts_more_than_parameters() -> None:
+    """Of both only what the command line does not say comes from parameters; keys of the experiment are overrides."""
+    options = {"role": "controller", "out": "there", "set": ["seed=2"], "progress": False}
+    given = {"out": "here", "realtime": 2.0, "set": ["seed=1"], "law": "ntsmc", "plant.delay_periods": 1}
+    sets = ("controller.law=ntsmc", "plant.delay_periods=1", "seed=1", "seed=2")
+    assert start_from(options, given) == Start(out="there", realtime=2.0, set=sets)
+
+
+def test_values_keep_their_type_on_the_way_into_the_experiment() -> None:
+    """Numbers, lists and truth values arrive as such, texts as YAML."""
+    given = {"gains.lead": True, "initial.joints_deg": [1.0, 2.0], "title": "a: b", "gains.rho": "null"}
+    assert overrides_from(given) == [
+        "controller.gains.lead=true",
+        "initial.joints_deg=[1.0, 2.0]",
+        "title=a: b",
+        "controller.gains.rho=null",
+    ]
+    with pytest.raises(SpecError, match="no value"):
+        overrides_from({"seed": None})
+
+
+def _sets(overrides: list[str]) -> list[str]:
+    return [part for override in overrides for part in ("--set", override)]
