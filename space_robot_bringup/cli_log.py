@@ -54,3 +54,37 @@ def replay(
         print(json.dumps(found[0] if len(found) == 1 else found, allow_nan=False))
     if not update_refs and not all(one.equal for one in done):
         raise typer.Exit(FAILED)
+
+
+@app.command()
+def info(
+    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file, of any tool")],
+    as_json: JsonOption = False,
+) -> None:
+    """Say what is in a bag: topics, rates, gaps, provenance, damage, verdict."""
+    from space_robot_bringup.logs import show
+    from space_robot_bringup.logs.info import bag_info
+
+    found = bag_info(bag)
+    if as_json:
+        print(json.dumps(show.info_dict(found), allow_nan=False))
+    else:
+        show.print_info(out, found)
+
+
+@app.command()
+def recover(
+    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file that was cut or damaged")],
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="default BAG_recovered")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Make a clean, indexed bag of a cut or damaged one and say what was lost."""
+    from space_robot_bringup.logs import show
+    from space_robot_msgs_py.log_recover import recover
+
+    place = bag.resolve()
+    done = recover(bag, directory or place.with_name(f"{place.stem}_recovered"))
+    if as_json:
+        print(json.dumps(show.recovery_dict(done), allow_nan=False))
+    else:
+        show.print_recovery(out, done)

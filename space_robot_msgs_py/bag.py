@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.log_directory import METADATA_FILE
+from space_robot_msgs_py.log_directory import description
 from space_robot_msgs_py.mcap_records import MESSAGE, parse
 from space_robot_msgs_py.mcap_salvage import Damage, Record, salvage
 
@@ -132,7 +132,7 @@ def _mcap_files(path: Path) -> tuple[Path, ...]:
         return (path,) if path.suffix == ".mcap" or not path.suffix else ()
     if not path.is_dir():
         raise InputFileError("no such bag", key=str(path), accepted="a bag directory or an .mcap file")
-    described = _description(path)
+    described = description(path)
     if described.get("compression_mode"):
         return ()
     listed = [path / str(name) for name in described.get("relative_file_paths") or ()]
@@ -140,19 +140,6 @@ def _mcap_files(path: Path) -> tuple[Path, ...]:
     if not files and not [*path.glob("*.db3"), *path.glob("*.zstd")]:
         raise InputFileError("no bag in this directory", key=str(path), accepted="*.mcap, or what metadata.yaml lists")
     return tuple(files) if all(file.suffix == ".mcap" for file in files) else ()
-
-
-def _description(place: Path) -> dict[str, Any]:
-    """What ``metadata.yaml`` says; nothing where it is absent or unreadable, for the files say it too."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
-
-    try:
-        text = (place / METADATA_FILE).read_text(encoding="utf-8")
-        data = YAML(typ="safe", pure=True).load(text)["rosbag2_bagfile_information"]
-        return data if isinstance(data, dict) else {}
-    except (OSError, UnicodeDecodeError, YAMLError, LookupError, TypeError, ValueError, RecursionError):
-        return {}
 
 
 def _natural(path: Path) -> list[int | str]:
