@@ -11,7 +11,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.log_directory import description
+from space_robot_msgs_py.log_directory import METADATA_FILE
 from space_robot_msgs_py.mcap_records import MESSAGE, parse
 from space_robot_msgs_py.mcap_salvage import Damage, Record, salvage
 
@@ -132,14 +132,19 @@ def _mcap_files(path: Path) -> tuple[Path, ...]:
         return (path,) if path.suffix == ".mcap" or not path.suffix else ()
     if not path.is_dir():
         raise InputFileError("no such bag", key=str(path), accepted="a bag directory or an .mcap file")
-    described = description(path)
-    if described.get("compression_mode"):
-        return ()
-    listed = [path / str(name) for name in described.get("relative_file_paths") or ()]
-    files = listed if listed and all(file.is_file() for file in listed) else sorted(path.glob("*.mcap"), key=_natural)
+    files = sorted(path.glob("*.mcap"), key=_natural)
     if not files and not [*path.glob("*.db3"), *path.glob("*.zstd")]:
-        raise InputFileError("no bag in this directory", key=str(path), accepted="*.mcap, or what metadata.yaml lists")
-    return tuple(files) if all(file.suffix == ".mcap" for file in files) else ()
+        raise InputFileError("no bag in this directory", key=str(path), accepted="*.mcap, *.db3 or *.zstd")
+    return () if _is_compressed(path) else tuple(files)
+
+
+def _is_compressed(place: Path) -> bool:
+    """True if rosbag2 has compressed messages or files itself, which no record of the files tells."""
+    try:
+        text = (place / METADATA_FILE).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError):
+        return False
+    return re.search(r"^\s*compression_mode:\s*['\"]?\w", text, re.MULTILINE) is not None
 
 
 def _natural(path: Path) -> list[int | str]:

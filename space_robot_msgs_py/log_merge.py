@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from space_robot_msgs_py.mcap_salvage import Damage, Record, salvage
 
 # What rosbag2 keeps of its own metadata in a file speaks of the file as it was.
 STALE = "rosbag2"
-HASH = "topic_type_hash"
+HASH, OFFERS = "topic_type_hash", "offered_qos_profiles"
 
 
 class BagMerger:
@@ -78,8 +79,8 @@ class BagMerger:
     def topics(self) -> list[BagTopic]:
         """What ``metadata.yaml`` says of the new bag."""
         return [
-            BagTopic(topic, schema.name, self.kept[topic], _offers(channel), channel.metadata.get(HASH, ""))
-            for topic, (channel, schema) in self._channels.items()
+            BagTopic(topic, schema.name, self.kept[topic], _offers(said.get(OFFERS, "")), said.get(HASH, ""))
+            for topic, (said, schema) in ((t, (c.metadata, s)) for t, (c, s) in self._channels.items())
         ]
 
     def lost(self) -> dict[str, int]:
@@ -114,8 +115,8 @@ class BagMerger:
         """All schemas and channels, numbered anew: files of one bag may have numbers of their own."""
         schemas: dict[tuple[str, bytes], int] = {}
         for _, schema in self._channels.values():
-            number = schemas.setdefault((schema.name, schema.data), len(schemas) + 1)
-            if number == len(schemas):
+            if (schema.name, schema.data) not in schemas:
+                number = schemas[schema.name, schema.data] = len(schemas) + 1
                 _add(writer, record_bytes(Schema(number, schema.data, schema.encoding, schema.name)))
         for topic, (channel, schema) in self._channels.items():
             number = self._numbers[topic] = len(self._numbers) + 1
@@ -151,13 +152,14 @@ def _add(writer: IndexedWriter, record: bytes) -> None:
     writer.add(opcode, record[PREFIX.size :])
 
 
-def _offers(channel: Channel) -> tuple[Mapping[str, Any], ...]:
+@cache
+def _offers(text: str) -> tuple[Mapping[str, Any], ...]:
     """The offered quality of service that a channel carries as YAML; none where it is unreadable."""
     from ruamel.yaml import YAML
     from ruamel.yaml.error import YAMLError
 
     try:
-        offers = YAML(typ="safe", pure=True).load(channel.metadata.get("offered_qos_profiles", ""))
+        offers = YAML(typ="safe", pure=True).load(text)
     except (YAMLError, ValueError, RecursionError):
         return ()
     return tuple(offer for offer in offers if isinstance(offer, dict)) if isinstance(offers, list) else ()
