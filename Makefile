@@ -14,6 +14,7 @@ help:
 	@echo "make demo    fly two tasks in the ROS 2 graph; leaves bags and pictures in $(OUT)"
 	@echo "make test    the whole test suite with ruff, mypy and the import test"
 	@echo "make check   ruff and mypy only"
+	@echo "make studies every figure and table of the three papers and the comparison of the laws; leaves pages in out/studies"
 	@echo "make bench   speed of the plant, the loop, the graph and the log"
 
 $(VENV)/bin/uv:
@@ -46,6 +47,12 @@ test: check
 
 bench: $(VENV)/.dev
 	$(BIN)/python -m benchmarks
+
+studies: $(VENV)/.dev
+	$(BIN)/space-robot reproduce liu2023 --out out/studies/liu2023
+	$(BIN)/space-robot reproduce giordano2023 --out out/studies/giordano2023
+	$(BIN)/space-robot reproduce song2023 --out out/studies/song2023
+	$(BIN)/space-robot compare --out out/studies/compare
 
 clean:
 	rm -rf $(VENV) build dist out *.egg-info .mypy_cache .ruff_cache .pytest_cache

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mcap.opcode import Opcode
@@ -27,6 +27,8 @@ from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, parse, par
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 
 _NAMES = {log_name(topic): topic.name for topic in RECORDED}
+# Not of a tick: once per run, or made from the tick by whoever wrote the log.
+_BESIDE = frozenset(topic.name for topic in RECORDED if topic.latched or topic.derived)
 _ESSENTIAL = frozenset(topic.name for kind in ("state", "reference", "command") for topic in topics_of(kind))
 _TELEMETRY = frozenset((CONTROLLER_TELEMETRY.name, PLANT_TELEMETRY.name))
 
@@ -79,6 +81,8 @@ class LogReader:
         for opcode, content in flatten(self._records(), self._key):
             if opcode == Opcode.MESSAGE:
                 channel, sequence, stamp, _ = MESSAGE.unpack_from(content)
+                if not any(expected.values()):
+                    self._check_channels(names.values())
                 if channel not in names or sequence != expected[channel]:
                     raise LogError("a message is missing", key=self._key, value=f"{names.get(channel)} at {stamp} ns")
                 expected[channel] += 1
@@ -146,7 +150,7 @@ class LogReader:
         """Messages of equal stamp, and whether anything follows that proves there are no more of them."""
         stamp, parts = -1, dict[str, bytes]()
         for name, at, data in self.messages():
-            if name == ROBOT_DESCRIPTION.name:
+            if name in _BESIDE:
                 continue
             if at != stamp and parts:
                 yield (stamp, parts), True
@@ -155,6 +159,12 @@ class LogReader:
             parts[name] = data
         if parts:
             yield (stamp, parts), self.end_reason is not None
+
+    def _check_channels(self, names: Iterable[str]) -> None:
+        """Every log has these channels, also empty ones: a name that is missing was damaged."""
+        lacking = (_ESSENTIAL | _TELEMETRY).difference(names)
+        if lacking:
+            raise LogError("topics are missing or damaged", key=self._key, value=", ".join(sorted(lacking)))
 
     def _read_header(self) -> LogHeader:
         metadata: dict[str, str] | None = None

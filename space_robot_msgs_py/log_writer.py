@@ -15,9 +15,11 @@ from space_robot_msgs_py.log_header import LogHeader
 from space_robot_msgs_py.log_preamble import CHANNELS, END_NAME, preamble
 from space_robot_msgs_py.mcap_index import write_indexed
 from space_robot_msgs_py.mcap_records import message_bytes, metadata_bytes
-from space_robot_msgs_py.topics import ROBOT_DESCRIPTION, Topic
+from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, TF, TF_STATIC, Topic
+from space_robot_msgs_py.transforms import FrameTransforms
 
 _IDS = tuple(CHANNELS[topic.name] for topic in LOGGED)
+_BASE, _JOINTS = LOGGED.index(BASE_ODOM), LOGGED.index(JOINT_STATES)
 
 
 class LogWriter:
@@ -25,6 +27,8 @@ class LogWriter:
 
     While the run goes on the file is a plain sequence of records, flushed after every tick: a SIGKILL loses at most
     the tick being written. All times are stamps; no wall clock and no name of a machine gets into the file.
+
+    Transforms follow from the state: the writer makes them, so that the log of every mode has them, with the same bits.
 
     Args:
         directory: run directory; it is made, a previous run in it is replaced, anything else in it is refused.
@@ -38,6 +42,7 @@ class LogWriter:
     def __init__(self, directory: Path, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
         self.path = prepare_directory(directory)
         self._custom = dict(custom or {})
+        self._frames = FrameTransforms(header.urdf, header.joint_names)
         self._counts = dict.fromkeys(CHANNELS, 0)
         self._last = -1
         self._ticks = 0
@@ -47,12 +52,13 @@ class LogWriter:
         self._append(preamble(header))
 
     def write_description(self, urdf: str) -> None:
-        """Write ``robot_description`` at stamp 0, before the first tick."""
+        """Write ``robot_description`` and ``/tf_static`` at stamp 0, before the first tick."""
         if self._ticks or self._counts[ROBOT_DESCRIPTION.name]:
             raise LogError("the description is the first message and the only one of its kind", key=str(self.path))
-        channel = CHANNELS[ROBOT_DESCRIPTION.name]
-        self._append(message_bytes(channel, 0, 0, encode_string(urdf)))
-        self._counts[ROBOT_DESCRIPTION.name] = 1
+        records = [self._record(ROBOT_DESCRIPTION, 0, encode_string(urdf))]
+        if self._frames.static is not None:
+            records.append(self._record(TF_STATIC, 0, self._frames.static))
+        self._append(b"".join(records))
 
     def write_tick(self, stamp: int, parts: Mapping[Topic, bytes]) -> None:
         """Write the messages of one stamp in table order; topics may be absent.
@@ -82,6 +88,9 @@ class LogWriter:
             if data is not None:
                 records.append(message_bytes(channel, self._counts[topic.name], stamp, data))
                 self._counts[topic.name] += 1
+        transforms = self._frames.from_messages(row[_BASE], row[_JOINTS])
+        if transforms is not None:
+            records.append(self._record(TF, stamp, transforms))
         self._append(b"".join(records))
         self._last = stamp
         self._ticks += 1
@@ -105,6 +114,11 @@ class LogWriter:
             temporary.replace(self.path)
             custom = self._custom | {"end_reason": reason}
             write_metadata_yaml(self.path, recorded_topics(self._counts), last_stamp=max(self._last, 0), custom=custom)
+
+    def _record(self, topic: Topic, stamp: int, data: bytes) -> bytes:
+        sequence = self._counts[topic.name]
+        self._counts[topic.name] += 1
+        return message_bytes(CHANNELS[topic.name], sequence, stamp, data)
 
     def _append(self, data: bytes) -> None:
         if self._stream is None:

@@ -55,6 +55,16 @@ def joint_trajectory(topic: str, joints: Sequence[str]) -> Layout:
     return builder.uint32(0, "points[0].time_from_start.sec").uint32(0, "points[0].time_from_start.nanosec").build()
 
 
+def tf_message(topic: str, pairs: Sequence[tuple[str, str]]) -> Layout:
+    """tf2_msgs/TFMessage of (parent, child) frames; holes: stamp, then translation and rotation (7), of each."""
+    builder = LayoutBuilder(topic).uint32(len(pairs), "transforms")
+    for index, (parent, child) in enumerate(pairs):
+        name = f"transforms[{index}]"
+        builder.stamp(f"{name}.header.stamp").string(parent, f"{name}.header.frame_id")
+        builder.string(child, f"{name}.child_frame_id").doubles(7, f"{name}.transform")
+    return builder.build()
+
+
 def multi_array(topic: str, labels: Sequence[str], sizes: Sequence[int]) -> Layout:
     """std_msgs/Float64MultiArray with one dimension entry for each block; holes: first block, all other blocks."""
     builder = LayoutBuilder(topic).uint32(len(labels), "layout.dim")

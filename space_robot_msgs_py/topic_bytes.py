@@ -15,8 +15,8 @@ from space_robot_msgs_py.text_codecs import peek_stamp
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, TABLE, Topic
 from space_robot_msgs_py.value_codecs import CommandCodec, ReferenceCodec, StateCodec
 
-# What a tick consists of, in the order of the log.
-LOGGED: tuple[Topic, ...] = tuple(topic for topic in TABLE if topic.recorded and not topic.latched)
+# What a tick consists of, in the order of the log; what follows from it comes behind it.
+LOGGED: tuple[Topic, ...] = tuple(t for t in TABLE if t.recorded and not t.latched and not t.derived)
 
 
 class TickCodec:

@@ -23,6 +23,7 @@ class Topic:
         latched: one message, kept for late joiners.
         recorded: it is written to the log.
         deterministic: equal runs give equal bytes.
+        derived: in the log it follows from other messages of its stamp; whoever writes the log makes it.
         meaning: for people.
     """
 
@@ -34,6 +35,7 @@ class Topic:
     latched: bool = False
     recorded: bool = True
     deterministic: bool = True
+    derived: bool = False
 
 
 # The order of rows is the order of messages of one stamp in the log.
@@ -115,6 +117,24 @@ PLANT_TELEMETRY = Topic(
     "simulator",
     "labelled blocks: `stamp` [ns], truth, momentum, energy, conservation residuals, wheel momentum, saturation",
 )
+TF = Topic(
+    "/tf",
+    "tf2_msgs/msg/TFMessage",
+    "tool",
+    "simulator",
+    "`inertial` to the root link and every moving link in its parent, from the measured state; live only where "
+    "tf2_msgs is installed",
+    derived=True,
+)
+TF_STATIC = Topic(
+    "/tf_static",
+    "tf2_msgs/msg/TFMessage",
+    "tool",
+    "simulator",
+    "links behind fixed joints; live only where tf2_msgs is installed",
+    latched=True,
+    derived=True,
+)
 RUN_END = Topic(
     "run_end",
     "std_msgs/msg/String",
@@ -163,6 +183,8 @@ TABLE: tuple[Topic, ...] = (
     JOINT_COMMAND,
     CONTROLLER_TELEMETRY,
     PLANT_TELEMETRY,
+    TF,
+    TF_STATIC,
     RUN_END,
     RECORDER_CREDIT,
     CLOCK,

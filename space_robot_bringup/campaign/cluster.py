@@ -12,9 +12,10 @@ from distributed import Client, LocalCluster, Nanny
 from distributed.comm.core import CommClosedError
 
 from space_robot_bringup.campaign.worker import PINNED, warm
+from space_robot_bringup.compiling import notice
 from space_robot_bringup.compose import versions
+from space_robot_bringup.experiment import experiment_from
 from space_robot_msgs_py.errors import SpecError
-from space_robot_sim.kernel.cache import must_compile
 
 PRELOAD = "space_robot_bringup.campaign.worker"
 CONNECT_SECONDS = 5
@@ -36,13 +37,13 @@ def workers_at(address: str | None, workers: int, first: Mapping[str, Any]) -> I
     Args:
         address: of a scheduler, e.g. ``tcp://10.0.0.1:8786``; None: a local cluster of this process.
         workers: number of local ones, one thread each.
-        first: an experiment every worker makes a plant of, so that its kernel is loaded.
+        first: an experiment every worker makes plant and law of, so that their kernels are loaded.
 
     Raises:
         SpecError: nobody answers at the address, or its workers could not give the same bits.
     """
     _quiet()
-    if address is None and must_compile():
+    if address is None and notice([experiment_from(first, "first case").controller.law]):
         # Once and here, not by every worker at the same time.
         warm(first)
     with _local(workers) if address is None else _remote(address) as client:

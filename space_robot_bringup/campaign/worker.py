@@ -8,6 +8,7 @@ from typing import Any
 
 from space_robot_bringup.compose import compose, versions
 from space_robot_bringup.experiment import experiment_from
+from space_robot_bringup.garbage import collect_rarely
 
 # Matrices here are small: more threads only fight for the cores that fly other runs.
 PINNED = {
@@ -22,9 +23,12 @@ def dask_setup(worker: Any) -> None:
     Ctrl-C in a terminal reaches every process of it; the campaign alone decides what follows.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    collect_rarely()
 
 
 def warm(data: Mapping[str, Any]) -> dict[str, str]:
-    """Load the compiled plant by making one; tell the versions of everything that can change the bits of a run."""
-    compose(experiment_from(data, "first case")).plant().reset()
+    """Load what is compiled by making plant and law; tell the versions of everything that can change a run's bits."""
+    composition = compose(experiment_from(data, "first case"))
+    composition.plant().reset()
+    composition.controller().reset()
     return versions()

@@ -14,8 +14,8 @@ from space_robot_msgs_py.interfaces import Vector
 # Okabe and Ito: told apart by everybody, also in print.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#6B5B95", "#7F7F7F")
 LINES = ("solid", "dashed", "dashdot", "dotted")
-# Larger groups are one cloud of thin curves with one entry in the legend.
-SINGLY, CROWDED = 8, 0.35
+# Larger groups are one cloud of thin curves with one entry in the legend; a sweep has shades for more.
+SINGLY, SHADES, CROWDED = 4, 8, 0.35
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -59,18 +59,26 @@ def shown(drawing: Drawing, flown: FlownFigure) -> list[FlownRun]:
     return [pair for pair in flown.runs if drawing.of is None or pair[0].group in drawing.of]
 
 
-def text_of(drawing: Drawing, run: FlownRun, members: int) -> str:
-    """The legend of a run: what the manifest says, else the label of the run, or of its group where it is large."""
+def _text_of(drawing: Drawing, run: FlownRun, flown: FlownFigure) -> str:
+    """The legend of a run: what the manifest says, else the label of the run, or of its group where it is a cloud."""
     planned = run[0]
     for name in (planned.label, planned.group):
         if name in drawing.legend:
             return drawing.legend[name]
-    return planned.label if members <= SINGLY else f"{planned.group} ({members} runs)"
+    members = _members(flown, planned.group)
+    return f"{planned.group} ({len(members)} runs)" if _is_cloud(flown, planned.group) else planned.label
+
+
+def _members(flown: FlownFigure, group: str) -> list[str]:
+    return [run.label for run, _ in flown.runs if run.group == group]
+
+
+def _is_cloud(flown: FlownFigure, group: str) -> bool:
+    return len(_members(flown, group)) > (SHADES if flown.figure.runs[group].sweep else SINGLY)
 
 
 def _curve(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun, signal: str) -> Curve:
     planned, flight = run
-    members = sum(1 for other, _ in runs if other.group == planned.group)
     color, line, width = _look(panel, flown, runs, run, signal)
     names = (signal,) if _is_given(signal) else (signal, planned.label, planned.group)
     styles = [panel.style[name] for name in names if name in panel.style]
@@ -83,8 +91,8 @@ def _curve(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun
         color=next((style.color for style in styles if style.color), color),
         line=next((style.line for style in styles if style.line), line),
         width=next((style.width for style in styles if style.width), width),
-        alpha=CROWDED if members > SINGLY and not _is_given(signal) else 1.0,
-        label=_label(panel, runs, run, signal, members),
+        alpha=CROWDED if _is_cloud(flown, planned.group) and not _is_given(signal) else 1.0,
+        label=_label(panel, flown, runs, run, signal),
         held=signal.startswith("command."),
     )
 
@@ -96,23 +104,22 @@ def _look(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun,
     index = [name for name in panel.signals if not _is_given(name)].index(signal)
     if len({other.label for other, _ in runs}) == 1:
         return PALETTE[index % len(PALETTE)], "solid", 1.4
-    members = sum(1 for other, _ in runs if other.group == run[0].group)
     line = LINES[(index + _nth_sweep(flown, runs, run[0].group)) % len(LINES)]
-    return _color(flown, run), line, 1.4 if members <= SINGLY else 0.7
+    return _color(flown, run), line, 0.7 if _is_cloud(flown, run[0].group) else 1.4
 
 
 def _color(flown: FlownFigure, run: FlownRun) -> str:
     """A shade of a sweep, or the next of the palette: one for each run of a small group, one for a large one."""
     groups = list(flown.figure.runs)
-    members = {group: [other.label for other, _ in flown.runs if other.group == group] for group in groups}
+    members = {group: _members(flown, group) for group in groups}
     mine = members[run[0].group]
     sweeps = [group for group in groups if flown.figure.runs[group].sweep and len(members[group]) > 1]
     if run[0].group in sweeps:
         share = mine.index(run[0].label) / (len(mine) - 1)
         return str(mpl.colors.to_hex(mpl.colormaps["viridis"](0.05 + 0.85 * share)))
     before = [group for group in groups[: groups.index(run[0].group)] if group not in sweeps]
-    taken = sum(len(members[group]) if len(members[group]) <= SINGLY else 1 for group in before)
-    own = mine.index(run[0].label) if len(mine) <= SINGLY else 0
+    taken = sum(1 if _is_cloud(flown, group) else len(members[group]) for group in before)
+    own = 0 if _is_cloud(flown, run[0].group) else mine.index(run[0].label)
     return PALETTE[(taken + own) % len(PALETTE)]
 
 
@@ -123,12 +130,12 @@ def _nth_sweep(flown: FlownFigure, runs: list[FlownRun], group: str) -> int:
     return sweeps.index(group) if group in sweeps else 0
 
 
-def _label(panel: Panel, runs: list[FlownRun], run: FlownRun, signal: str, members: int) -> str:
+def _label(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun, signal: str) -> str:
     signal_text = panel.legend.get(signal, signal)
     several = len({other.label for other, _ in runs}) > 1
     if _is_given(signal) or not several:
-        return signal_text if len(panel.signals) > 1 else text_of(panel, run, members)
-    run_text = text_of(panel, run, members)
+        return signal_text if len(panel.signals) > 1 else _text_of(panel, run, flown)
+    run_text = _text_of(panel, run, flown)
     if len(panel.signals) == 1 or not run_text:
         return run_text
     return f"{run_text}, {signal_text}" if signal_text else run_text

@@ -13,6 +13,7 @@ from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
+from space_robot_bringup.garbage import collect_rarely
 from space_robot_msgs_py.errors import SpaceRobotError
 
 Result = TypeVar("Result")
@@ -92,6 +93,7 @@ _STOP = threading.Event()
 def _begin(told: Connection) -> None:
     # Ctrl-C reaches the whole group; the parent decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    collect_rarely()
     threading.Thread(target=_listen, args=(told,), daemon=True).start()
 
 

@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_control.laws.tracking import prepare
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import CommandError, ControlError, NonFiniteError, SpecError
@@ -82,6 +83,7 @@ class Law(ABC):
         self.control_period = control_period
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
+        prepare()
 
     @classmethod
     def must_compile(cls) -> bool:

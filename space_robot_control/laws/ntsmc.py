@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from space_robot_control.laws.sliding import Floats
-from space_robot_control.laws.terminal_sliding import RotationErrors, TerminalSliding
+import numpy as np
+
+from space_robot_control.kernel.terminal import turn
+from space_robot_control.laws.ntsmc_gains import SlidingGains
+from space_robot_control.laws.terminal_sliding import TerminalSliding
 from space_robot_control.laws.tracking import TrackingErrors
-from space_robot_control.rotations import Three, cross, rotate, rotate_inverse
-from space_robot_msgs_py.interfaces import Reference, RobotState
+from space_robot_control.rotations import Three, rotate_inverse
+from space_robot_description.kernel.jit import ready
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
 class Ntsmc(TerminalSliding):
@@ -33,20 +38,17 @@ class Ntsmc(TerminalSliding):
 
     name = "ntsmc"
 
-    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> RotationErrors:
-        """Return the errors of (14), inertial frame."""
-        q, eta = state.q[3:7].tolist(), float(errors.quaternion[3])
-        # R_e = R^T R_d is the inverse of q_e seen from the body; its quaternion already goes the short way.
-        eps = rotate(q, (-errors.quaternion[:3]).tolist())
-        w_e, omega = rotate(q, (-errors.velocity[3:6]).tolist()), rotate(q, state.v[3:6].tolist())
-        x, y, z = cross(eps, [2.0 * w - e for w, e in zip(omega, w_e, strict=True)])
-        return RotationErrors(
-            e=eps,
-            rate=w_e,
-            e_dot=(0.5 * (eta * w_e[0] - x), 0.5 * (eta * w_e[1] - y), 0.5 * (eta * w_e[2] - z)),
-            desired=rotate(reference.q[3:7].tolist(), reference.a[3:6].tolist()),
-        )
+    def __init__(self, robot: Robot, control_period: float, gains: SlidingGains | None = None) -> None:
+        super().__init__(robot, control_period, gains)
+        given = Reference(0, np.zeros(7), np.zeros(6), np.zeros(6))
+        ready(turn, given.q, given.v, given.q, given.a, np.zeros(4), np.zeros(6), np.zeros((4, 3)))
 
-    def angular(self, state: RobotState, rotation: RotationErrors, acceleration: Floats) -> Three:
+    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
+        """Return the errors of (14), inertial frame, see ``TerminalSliding``."""
+        out = np.empty((4, 3))
+        turn(state.q, state.v, reference.q, reference.a, errors.quaternion, errors.velocity, out)
+        return out
+
+    def angular(self, state: RobotState, acceleration: Vector) -> Three:
         """Return R^T w', since (R w_B)' = R w_B'."""
-        return rotate_inverse(state.q[3:7].tolist(), acceleration)
+        return rotate_inverse(state.q[3:7], acceleration)

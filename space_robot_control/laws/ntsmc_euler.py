@@ -5,17 +5,17 @@ from __future__ import annotations
 from math import radians
 from typing import Literal
 
+import numpy as np
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.angle_branch import AngleBranch, euler_rates, wrapped
 from space_robot_control.laws.ntsmc_gains import SlidingGains
-from space_robot_control.laws.sliding import Floats
-from space_robot_control.laws.terminal_sliding import RotationErrors, TerminalSliding
+from space_robot_control.laws.terminal_sliding import TerminalSliding
 from space_robot_control.laws.tracking import TrackingErrors
 from space_robot_control.rotations import Three, rpy_rates
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Three as ThreeNumbers
-from space_robot_msgs_py.interfaces import Reference, RobotState
+from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
 class EulerGains(SlidingGains):
@@ -69,9 +69,10 @@ class NtsmcEuler(TerminalSliding):
         super().reset()
         roll, pitch, yaw = (radians(angle) for angle in self.gains.start_deg)
         self._actual, self._desired = AngleBranch((roll, pitch, yaw)), AngleBranch((0.0, 0.0, 0.0))
+        self._now: tuple[Three, Three] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
-    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> RotationErrors:
-        """Return the errors of roll, pitch, yaw [rad]."""
+    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
+        """Return the errors of roll, pitch, yaw, see ``TerminalSliding`` [rad]."""
         theta, theta_d = self._actual.nearest(state.q[3:7].tolist()), self._desired.nearest(reference.q[3:7].tolist())
         rates = euler_rates(theta, state.v[3:6].tolist(), self._floor)
         omega_d, alpha_d = reference.v[3:6].tolist(), reference.a[3:6].tolist()
@@ -83,9 +84,9 @@ class NtsmcEuler(TerminalSliding):
         if self.gains.angles == "wrapped":
             e = (wrapped(e[0]), wrapped(e[1]), wrapped(e[2]))
         rate = (rates[0] - rates_d[0], rates[1] - rates_d[1], rates[2] - rates_d[2])
-        return RotationErrors(e, rate, rate, desired, (*theta, *rates))
+        self._now = theta, rates
+        return np.array((e, rate, rate, desired))
 
-    def angular(self, state: RobotState, rotation: RotationErrors, acceleration: Floats) -> Three:
+    def angular(self, state: RobotState, acceleration: Vector) -> Three:
         """Return N theta'' + N' theta'."""
-        theta, rates = rotation.coordinates[:3], rotation.coordinates[3:]
-        return rpy_rates(theta, rates, acceleration)[1]
+        return rpy_rates(*self._now, acceleration)[1]

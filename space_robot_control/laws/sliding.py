@@ -3,34 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import copysign, exp
+from math import exp, inf
 
+import numpy as np
+
+from space_robot_control.kernel.sliding import ROWS, SlidingRule, adapt, slide
 from space_robot_control.laws.ntsmc_gains import SlidingGains
 from space_robot_control.laws.sliding_sampling import cycle_rate, loop_gain
+from space_robot_description.kernel.jit import bound
+from space_robot_msgs_py.interfaces import Vector
 
 Floats = Sequence[float]
-
-
-@dataclass(frozen=True, slots=True)
-class SlidingTerms:
-    """What one update makes of the errors; every sequence (m,), one entry per controlled DoF.
-
-    Attributes:
-        s: sliding variable, (10), (14), (25) [m, rad].
-        delta: s outside the boundary layer, (26) [m, rad].
-        xi: of (28c).
-        equivalent: a2 of (28b), keeps s constant [m/s2, rad/s2].
-        reaching: a3 of (28c), drives s to zero [m/s2, rad/s2].
-        loop_gain: see ``loop_gain`` [-].
-    """
-
-    s: Floats
-    delta: Floats
-    xi: Floats
-    equivalent: Floats
-    reaching: Floats
-    loop_gain: Floats
 
 
 class SlidingMode:
@@ -53,7 +36,7 @@ class SlidingMode:
 
     the latter being the mean over T of the former a2 along its own solution. Both vanish as T -> 0.
 
-    On Python floats: at fourteen numbers faster than on arrays.
+    Compiled: ``kernel.sliding``.
 
     Args:
         gains: of the law.
@@ -68,28 +51,44 @@ class SlidingMode:
     def __init__(
         self, gains: SlidingGains, gamma: Floats, k2: Floats, rotation: Sequence[int], control_period: float
     ) -> None:
-        exponents, adaptation = gains.exponents, gains.adaptation
-        self._gamma, self._k1, self._k2 = tuple(gamma), gains.k1, tuple(k2)
-        self._layer, self._period, self._clamp = gains.boundary_layer, control_period, gains.clamp
-        self._r, self._reach = exponents.rate, exponents.reach
-        # The power of Delta s has no finite slope at 0; the layer's width is the least distance that means anything.
-        self._edge = self._layer ** (self._reach - 1.0)
-        self._half_norm_power = exponents.p1 / exponents.q1
-        self._turning = [index in rotation for index in range(len(self._gamma))]
+        exponents, adaptation, layer = gains.exponents, gains.adaptation, gains.boundary_layer
+        size = len(gamma)
+        self._rule = SlidingRule(
+            gamma=np.array(gamma, dtype=np.float64),
+            k2=np.array(k2, dtype=np.float64),
+            turning=np.array([index in rotation for index in range(size)], dtype=np.int64),
+            k1=gains.k1,
+            layer=layer,
+            period=control_period,
+            clamp=int(gains.clamp),
+            r=exponents.rate,
+            reach=exponents.reach,
+            # The power of Delta s has no finite slope at 0; the layer's width is the least distance that means
+            # anything.
+            edge=layer ** (exponents.reach - 1.0),
+            half_norm_power=exponents.p1 / exponents.q1,
+        )
         self._adaptation, self._keep = adaptation, exp(-adaptation.leak * control_period)
+        self._cap = inf if adaptation.cap is None else adaptation.cap
         self.reset()
+        numbers, rows = np.zeros(size), np.zeros((ROWS, size))
+        self._slide = bound(slide, self._rule, self._estimate, numbers, numbers, numbers, 0.0, rows)
+        self._adapt = bound(adapt, numbers, 0.0, 0.0, 0.0, self._estimate)
 
     def reset(self) -> None:
         """Forget what was adapted."""
-        self._estimate = [self._adaptation.initial] * len(self._gamma)
+        self._estimate = np.full(self._rule.gamma.size, self._adaptation.initial)
 
     @property
-    def estimate(self) -> Floats:
+    def estimate(self) -> Vector:
         """(m,) K_hat [m/s2, rad/s2]."""
-        return self._estimate
+        return self._estimate.copy()
 
-    def terms(self, e: Floats, rate: Floats, e_dot: Floats, speed_squared: float) -> SlidingTerms:
-        """Return what (28) makes of the errors, with the present K_hat.
+    def terms(self, e: Vector, rate: Vector, e_dot: Vector, speed_squared: float) -> Vector:
+        """Return what (28) makes of the errors with the present K_hat: (6, m), rows as ``kernel.sliding`` names them.
+
+        S [m, rad], DELTA outside the boundary layer, (26) [m, rad], XI of (28c), EQUIVALENT a2 of (28b), which keeps s
+        constant, REACHING a3 of (28c), which drives s to zero [m/s2, rad/s2], and LOOP_GAIN, see ``loop_gain`` [-].
 
         Args:
             e: (m,) error, actual minus desired [m, rad].
@@ -97,21 +96,16 @@ class SlidingMode:
             e_dot: (m,) the derivative of e; differs from ``rate`` for rotation only.
             speed_squared: |x'|^2.
         """
-        surface = self._surface(e, rate)
-        _, s, delta, xi = surface
-        norm_squared, xi_squared = sum([d * d for d in delta]), sum([x * x for x in xi])
-        along = self._k1 * norm_squared**self._half_norm_power / max(xi_squared, self._layer)
-        reaching, gains = self._reaching(surface, rate, along, 1.0 + speed_squared)
-        return SlidingTerms(s, delta, xi, self._equivalent(surface[0], rate, e_dot), reaching, gains)
+        out = np.empty((ROWS, self._estimate.size))
+        self._slide(self._rule, self._estimate, e, rate, e_dot, speed_squared, out)
+        return out
 
-    def adapt(self, xi: Floats, speed_squared: float, *, saturated: bool) -> None:
+    def adapt(self, xi: Vector, speed_squared: float, *, saturated: bool) -> None:
         """Move K_hat on by one period, (29)."""
         if saturated and self._adaptation.freeze_on_saturation:
             return
-        growth, cap = self._period * self._adaptation.rate * (1.0 + speed_squared), self._adaptation.cap
-        self._estimate = [(k + growth * abs(x)) * self._keep for k, x in zip(self._estimate, xi, strict=True)]
-        if cap is not None:
-            self._estimate = [min(k, cap) for k in self._estimate]
+        growth = self._rule.period * self._adaptation.rate * (1.0 + speed_squared)
+        self._adapt(xi, growth, self._keep, self._cap, self._estimate)
 
     def gains_at(self, e: Floats, slowest: float) -> list[float]:
         """Return the loop gain (m,) at the edge of the boundary layer with the initial K_hat.
@@ -120,64 +114,18 @@ class SlidingMode:
             e: (m,) errors [m, rad]; each shrinks at |e'| = (g |e|)^(1/r) while s = 0, (11).
             slowest: least rate to assume [m/s, rad/s].
         """
-        rates = [max((g * abs(x)) ** (1.0 / self._r), slowest) for g, x in zip(self._gamma, e, strict=True)]
-        flat = self._adaptation.initial / self._layer
+        rule, (gamma, k2) = self._rule, self._per_dof()
+        rates = [max((g * abs(x)) ** (1.0 / rule.r), slowest) for g, x in zip(gamma, e, strict=True)]
+        flat = self._adaptation.initial / rule.layer
         return [
-            loop_gain(self._period, self._r, g, rate ** (self._r - 1.0), flat + k2 * self._reach * self._edge)
-            for rate, g, k2 in zip(rates, self._gamma, self._k2, strict=True)
+            loop_gain(rule.period, rule.r, g, rate ** (rule.r - 1.0), flat + k * rule.reach * rule.edge)
+            for rate, g, k in zip(rates, gamma, k2, strict=True)
         ]
 
     def cycle_rates(self) -> list[float]:
         """Return the rate (m,) of the cycle that K2 sustains in each DoF [m/s, rad/s]."""
-        return [
-            cycle_rate(self._period, self._r, self._reach, g, k2) for g, k2 in zip(self._gamma, self._k2, strict=True)
-        ]
+        rule = self._rule
+        return [cycle_rate(rule.period, rule.r, rule.reach, g, k) for g, k in zip(*self._per_dof(), strict=True)]
 
-    def _surface(self, e: Floats, rate: Floats) -> tuple[list[float], list[float], list[float], list[float]]:
-        """|e'|^(r-1), s, Delta s and xi."""
-        roots, surface, delta, xi = [], [], [], []
-        power, layer = self._r - 1.0, self._layer
-        for x, v, g in zip(e, rate, self._gamma, strict=True):
-            root = abs(v) ** power
-            weight = root / g
-            s = weight * v + x
-            d = s - layer if s > layer else s + layer if s < -layer else 0.0
-            roots.append(root)
-            surface.append(s)
-            delta.append(d)
-            xi.append(weight * d)
-        return roots, surface, delta, xi
-
-    def _reaching(
-        self, surface: tuple[Floats, Floats, Floats, Floats], rate: Floats, along: float, grown: float
-    ) -> tuple[list[float], list[float]]:
-        """a3, and the loop gain."""
-        reaching, gains = [], []
-        layer, reach, edge, period, r = self._layer, self._reach, self._edge, self._period, self._r
-        for root, s, d, x, v, k_hat, g, k2 in zip(*surface, rate, self._estimate, self._gamma, self._k2, strict=True):
-            size, k = abs(d), k_hat * grown
-            power = size**reach
-            a3 = -(k * (copysign(1.0, s) if d else s / layer) + along * x + k2 * copysign(power, d))
-            if self._clamp:
-                push = abs(a3)
-                moved = period * r / g * push * (abs(v) + period * push) ** (r - 1.0)
-                if moved > abs(s):
-                    a3 *= abs(s) / moved
-            slope = k / layer + k2 * reach * (power / size if size > layer else edge)
-            reaching.append(a3)
-            gains.append(loop_gain(period, r, g, root, slope))
-        return reaching, gains
-
-    def _equivalent(self, roots: Floats, rate: Floats, e_dot: Floats) -> list[float]:
-        """a2."""
-        out, period, power = [], self._period, self._r - 1.0
-        for root, v, x, g, turning in zip(roots, rate, e_dot, self._gamma, self._turning, strict=True):
-            g_r = g / self._r
-            if turning:
-                out.append(-g_r * root / max(root * root, self._layer) * x)
-            elif self._clamp:
-                left = max(root - g_r * power * period, 0.0)
-                out.append((copysign(left ** (1.0 / power), v) - v) / period)
-            else:
-                out.append(-g_r * v / root if root > 0.0 else 0.0)
-        return out
+    def _per_dof(self) -> tuple[list[float], list[float]]:
+        return self._rule.gamma.tolist(), self._rule.k2.tolist()

@@ -4,40 +4,26 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
+from space_robot_control.kernel import sliding
+from space_robot_control.kernel.sliding import DELTA, LOOP_GAIN, XI, S
+from space_robot_control.kernel.terminal import DESIRED, accelerate, stack
 from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_control.laws.disturbance import DisturbanceObserver
 from space_robot_control.laws.dynamics import NominalModel
 from space_robot_control.laws.limits import CommandLimits
 from space_robot_control.laws.ntsmc_gains import SlidingGains
-from space_robot_control.laws.sliding import Floats, SlidingMode, SlidingTerms
+from space_robot_control.laws.sliding import SlidingMode
 from space_robot_control.laws.sliding_review import review_loop_gain
 from space_robot_control.laws.tracking import TrackingErrors, error_blocks, tracking_errors
-from space_robot_control.rotations import Three, cross, rotate, rotate_inverse
+from space_robot_control.rotations import cross
+from space_robot_description.kernel.cache import cached
+from space_robot_description.kernel.jit import ready
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
-
-
-@dataclass(frozen=True, slots=True)
-class RotationErrors:
-    """The base rotation as one representation of it sees it; every vector (3).
-
-    Attributes:
-        e: error, actual minus desired.
-        rate: what the sliding variable takes for its rate.
-        e_dot: the derivative of e.
-        desired: the desired acceleration of the representation.
-        coordinates: what ``TerminalSliding.angular`` needs beside the acceleration.
-    """
-
-    e: Three
-    rate: Three
-    e_dot: Three
-    desired: Three
-    coordinates: tuple[float, ...] = ()
 
 
 class TerminalSliding(Law):
@@ -71,14 +57,32 @@ class TerminalSliding(Law):
         rotation = range(3 - self.skip, 6 - self.skip)
         self.sliding = SlidingMode(self.gains, gamma, k2, rotation, control_period)
         self.observer = DisturbanceObserver(self.gains.disturbance_observer, control_period, 6 + robot.n)
+        q, own, rows = Reference(0, np.zeros(7), np.zeros(6), np.zeros(6)).q, np.zeros(6), np.zeros((4, 3))
+        ready(stack, q, own, own, rows, rows)
+        ready(accelerate, q, own, own, rows, own, own)
+
+    @classmethod
+    def must_compile(cls) -> bool:
+        """True before the first terminal sliding mode law on a machine."""
+        return not cached(Path(sliding.__file__), sliding.slide.__name__)
 
     @abstractmethod
-    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> RotationErrors:
-        """Return the errors of the base rotation; may remember the branch it is on."""
+    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
+        """Return the base rotation as a representation of it sees it; may remember the branch it is on.
+
+        Returns:
+            (4, 3): error, actual minus desired; what the sliding variable takes for its rate; the derivative of the
+            error; and the desired acceleration of the representation.
+        """
 
     @abstractmethod
-    def angular(self, state: RobotState, rotation: RotationErrors, acceleration: Floats) -> Three:
-        """Return the derivative of the body rates [rad/s2] for an acceleration of the representation (3)."""
+    def angular(self, state: RobotState, acceleration: Vector) -> Sequence[float] | Vector:
+        """Return the derivative (3,) of the body rates for an acceleration (3,) of the representation [rad/s2].
+
+        Args:
+            state: that ``rotation`` was last called with.
+            acceleration: of the representation.
+        """
 
     def reset(self) -> None:
         """Forget K_hat and the disturbance estimate."""
@@ -92,28 +96,29 @@ class TerminalSliding(Law):
         rotation = self.rotation(state, reference, errors)
         speed = state.v[self.skip :]
         speed_squared = float(speed @ speed)
-        terms = self.sliding.terms(*self._stacked(state, rotation, errors), speed_squared)
+        e, rate, e_dot = self._stacked(state, rotation, errors)
+        terms = self.sliding.terms(e, rate, e_dot, speed_squared)
         disturbance = self.observer.update(state.v)
-        wished = self._acceleration(state, rotation, errors, terms) - disturbance
+        wished = self._acceleration(state, rotation, errors.feedforward, terms) - disturbance
         u, wished = self.model.actuated_inverse_dynamics(state.q, state.v, wished)
         saturated = not self.limits.fits(u)
         blocks = {
             **error_blocks(errors),
-            "sliding_variable": np.array(terms.s),
-            "sliding_excess": np.array(terms.delta),
-            "xi": np.array(terms.xi),
-            "adaptive_gain": np.array(self.sliding.estimate),
+            "sliding_variable": terms[S],
+            "sliding_excess": terms[DELTA],
+            "xi": terms[XI],
+            "adaptive_gain": self.sliding.estimate,
             "eta_error": float(state.q[3:7] @ reference.q[3:7]),
-            "loop_gain": np.array(terms.loop_gain),
+            "loop_gain": terms[LOOP_GAIN],
             "command_unsaturated": u,
             "command_norm": float(u @ u) ** 0.5,
             "command_saturated": float(saturated),
             "disturbance_estimate": disturbance,
         }
-        self.sliding.adapt(terms.xi, speed_squared, saturated=saturated)
+        self.sliding.adapt(terms[XI], speed_squared, saturated=saturated)
         # What a clipped command leads to is not known here; the estimate then waits.
         self.observer.expect(None if saturated else wished)
-        return (self._fitted(state, rotation, u) if saturated else u), blocks
+        return (self._fitted(state, u) if saturated else u), blocks
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Judge the loop gain per DoF at the rates the start error will lead to, before flying."""
@@ -121,44 +126,29 @@ class TerminalSliding(Law):
         start, reference = path[0], path[1]
         state = RobotState(reference.stamp, start.q, start.v, np.zeros(self.n), np.zeros(3))
         errors = tracking_errors(state, reference)
-        e, _, _ = self._stacked(state, self.rotation(state, reference, errors), errors)
+        e = self._stacked(state, self.rotation(state, reference, errors), errors)[0].tolist()
         self.reset()
         return review_loop_gain(self.sliding, e, self.robot.joint_names, self.control_period, self.gains.clamp)
 
-    def _stacked(
-        self, state: RobotState, rotation: RotationErrors, errors: TrackingErrors
-    ) -> tuple[Floats, Floats, Floats]:
-        """e, e' and the derivative of e (m): [translation in the inertial frame, rotation, joints]."""
-        # TrackingErrors are desired minus actual, base parts in the body frame.
-        far, fast = (-errors.configuration).tolist(), (-errors.velocity).tolist()
-        if self.skip:
-            return (*rotation.e, *far[6:]), (*rotation.rate, *fast[6:]), (*rotation.e_dot, *fast[6:])
-        q = state.q[3:7].tolist()
-        linear = rotate(q, fast[:3])
-        return (
-            (*rotate(q, far[:3]), *rotation.e, *far[6:]),
-            (*linear, *rotation.rate, *fast[6:]),
-            (*linear, *rotation.e_dot, *fast[6:]),
-        )
-
-    def _acceleration(
-        self, state: RobotState, rotation: RotationErrors, errors: TrackingErrors, terms: SlidingTerms
-    ) -> Vector:
-        """The derivative of v that gives x''_d + a2 + a3; R^T (a_d + a) - w x v for the translation."""
-        push = [0.0] * self.skip + [a2 + a3 for a2, a3 in zip(terms.equivalent, terms.reaching, strict=True)]
-        turn = [desired + a for desired, a in zip(rotation.desired, push[3:6], strict=True)]
-        linear = rotate_inverse(state.q[3:7].tolist(), push[:3])
-        out: Vector = errors.feedforward + np.array((*linear, 0.0, 0.0, 0.0, *push[6:]))
-        # The feed-forward holds the rotation error of the body frame; here its frame is the representation's.
-        out[3:6] = self.angular(state, rotation, turn)
+    def _stacked(self, state: RobotState, rotation: Vector, errors: TrackingErrors) -> Vector:
+        """e, e' and the derivative of e, (3, m): [translation in the inertial frame, rotation, joints]."""
+        out = np.empty((3, 6 + self.n - self.skip))
+        stack(state.q, errors.configuration, errors.velocity, rotation, out)
         return out
 
-    def _fitted(self, state: RobotState, rotation: RotationErrors, u: Vector) -> Vector:
+    def _acceleration(self, state: RobotState, rotation: Vector, feedforward: Vector, terms: Vector) -> Vector:
+        """The derivative of v that gives x''_d + a2 + a3; R^T (a_d + a) - w x v for the translation."""
+        out, turned = np.empty(6 + self.n), np.empty(3)
+        accelerate(state.q, feedforward, rotation[DESIRED], terms, turned, out)
+        out[3:6] = self.angular(state, turned)
+        return out
+
+    def _fitted(self, state: RobotState, u: Vector) -> Vector:
         """The command within the nominal limits; C0 is the u of x'' = 0."""
         if self.gains.saturation == "per_axis":
             return self.limits.per_axis(u)
         still, v = np.zeros(6 + self.n), state.v[:6].tolist()
         still[:3] = cross(v[:3], v[3:])
-        still[3:6] = self.angular(state, rotation, (0.0, 0.0, 0.0))
+        still[3:6] = self.angular(state, np.zeros(3))
         bias, _ = self.model.actuated_inverse_dynamics(state.q, state.v, still)
         return self.limits.direction_preserving(u, bias)

@@ -10,7 +10,7 @@ from rclpy.clock_type import ClockType
 from rclpy.subscription import Subscription
 from rclpy.time import Time
 
-from space_robot_msgs_py.codecs import TopicBytes, decode_string, encode_clock
+from space_robot_msgs_py.codecs import LOGGED, TopicBytes, decode_string, encode_clock
 from space_robot_msgs_py.errors import CommandError, SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import BASE_ODOM, RECORDER_CREDIT, ROBOT_DESCRIPTION, TABLE, Topic
@@ -75,7 +75,7 @@ class RecorderNode(GraphNode):
         self._early: dict[int, dict[Topic, bytes]] = {}
         self._urdf: str | None = None
         self._pending: dict[int, dict[Topic, bytes]] = {}
-        self._expected = {topic for topic in TABLE if topic.recorded and not topic.latched}
+        self._expected = set(LOGGED)
         self._canonical = TopicBytes(joint_names)
         self.closed = False
         self.heard = 0

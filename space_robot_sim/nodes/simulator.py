@@ -13,6 +13,7 @@ from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.health import SimulatorHealth
 from space_robot_sim.nodes.pacing import Pacer
 from space_robot_sim.nodes.services import RunServices
+from space_robot_sim.nodes.transforms import TransformPublisher
 
 
 class SimulatorNode(GraphNode):
@@ -60,6 +61,7 @@ class SimulatorNode(GraphNode):
         self._clock_publisher = self.publisher(CLOCK)
         self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
         self._description_publisher.publish(encode_string(urdf))
+        self._transforms = TransformPublisher(self, urdf, joint_names)
         self.tick = 0
         self.sample: PlantSample | None = None
         self._steps_granted: int | None = None
@@ -117,6 +119,7 @@ class SimulatorNode(GraphNode):
         publish_all(self._state_publishers, self._states.encode(sample.state))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
         self._clock_publisher.publish(encode_clock(sample.state.stamp))
+        self._transforms.show(sample.state)
 
     def _on_answer(self) -> None:
         """Lock-step: go on as far as answers and pause allow."""

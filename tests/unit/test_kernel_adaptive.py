@@ -234,7 +234,7 @@ from space_robot_control.laws import make_law
 from space_robot_description.load import load_robot
 
 make_law("computed_torque", load_robot("mini"), 0.25)
-print(*sorted({"numba", "space_robot_control.kernel"} & set(sys.modules)))
+print(*sorted({"space_robot_control.kernel.answer", "space_robot_control.kernel.sliding"} & set(sys.modules)))
 """
 
 
@@ -247,7 +247,7 @@ def python(code: str) -> str:
 
 
 def test_another_law_neither_compiles_nor_loads_this_one() -> None:
-    """Making a computed-torque law loads no compiler."""
+    """Making a computed-torque law loads no kernel of another law."""
     assert python(OTHER_LAW).split() == []
 
 

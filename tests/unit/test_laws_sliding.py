@@ -9,11 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from space_robot_control.kernel.sliding import EQUIVALENT, LOOP_GAIN, REACHING, XI, S
 from space_robot_control.laws import make_law
 from space_robot_control.laws.ntsmc_gains import SlidingGains
 from space_robot_control.laws.sliding import SlidingMode
 from space_robot_control.laws.sliding_sampling import cycle_rate, loop_gain
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Vector
 from tests.robots import arm_model, robot_of
 
 R, RHO = 11 / 9, 7 / 9
@@ -25,13 +27,19 @@ def sliding(period: float, gamma: float = 0.1, k2: float = 0.1, turning: tuple[i
     return SlidingMode(SlidingGains(**gains), [gamma], [k2], turning, period)
 
 
+def terms_of(mode: SlidingMode, e: float, rate: float, e_dot: float, speed_squared: float) -> Vector:
+    """The terms of one DoF, (6,)."""
+    terms: Vector = mode.terms(np.array([e]), np.array([rate]), np.array([e_dot]), speed_squared)[:, 0]
+    return terms
+
+
 def held(mode: SlidingMode, e: float, v: float, period: float, steps: int) -> tuple[list[float], list[float]]:
     """Errors and rates of a double integrator under a held a2 + a3."""
     errors, rates = [e], [v]
     for _ in range(steps):
-        terms = mode.terms([e], [v], [v], v * v)
-        mode.adapt(terms.xi, v * v, saturated=False)
-        a = terms.equivalent[0] + terms.reaching[0]
+        terms = terms_of(mode, e, v, v, v * v)
+        mode.adapt(terms[XI : XI + 1].copy(), v * v, saturated=False)
+        a = terms[EQUIVALENT] + terms[REACHING]
         e, v = e + period * v + 0.5 * period * period * a, v + period * a
         errors.append(e)
         rates.append(v)
@@ -69,8 +77,8 @@ def test_clamp_vanishes_with_the_period() -> None:
     """Clamped and unclamped accelerations agree to first order in T, away from zero rate."""
     gaps = []
     for period in (1e-3, 5e-4):
-        both = [sliding(period, clamp=clamp).terms([0.3], [-0.05], [-0.05], 0.0) for clamp in (False, True)]
-        free, bound = (terms.equivalent[0] + terms.reaching[0] for terms in both)
+        both = [terms_of(sliding(period, clamp=clamp), 0.3, -0.05, -0.05, 0.0) for clamp in (False, True)]
+        free, bound = (terms[EQUIVALENT] + terms[REACHING] for terms in both)
         gaps.append(abs(free - bound))
     assert gaps[0] < 1e-5
     assert gaps[0] / gaps[1] == pytest.approx(2.0, abs=0.1)
@@ -81,8 +89,8 @@ def test_no_clamped_command_throws_the_sliding_variable_through_zero(
     e: float, rate: float, period: float, k2: float
 ) -> None:
     """By the bound of the rate within the period, the reaching term moves s by at most |s|."""
-    terms = sliding(period, k2=k2, clamp=True).terms([e], [rate], [rate], 0.0)
-    a3, s = abs(terms.reaching[0]), abs(terms.s[0])
+    terms = terms_of(sliding(period, k2=k2, clamp=True), e, rate, rate, 0.0)
+    a3, s = abs(terms[REACHING]), abs(terms[S])
     moved = period * R / 0.1 * a3 * (abs(rate) + period * a3) ** (R - 1.0)
     assert moved <= s * (1.0 + 1e-12)
 
@@ -96,7 +104,7 @@ def test_the_adapted_gain_is_never_negative_and_never_falls_without_a_leak(
     for e, v in values:
         for mode in (plain, leaking):
             before = mode.estimate[0]
-            mode.adapt(mode.terms([e], [v], [v], v * v).xi, v * v, saturated=False)
+            mode.adapt(terms_of(mode, e, v, v, v * v)[XI : XI + 1].copy(), v * v, saturated=False)
             assert mode.estimate[0] >= 0.0
             if mode is plain:
                 assert mode.estimate[0] >= before
@@ -109,7 +117,7 @@ def test_the_adapted_gain_stands_still_while_saturated_if_told_so() -> None:
     """freeze_on_saturation is the only thing that lets saturation matter to K_hat."""
     for freeze in (False, True):
         mode = sliding(0.1, adaptation={"freeze_on_saturation": freeze})
-        mode.adapt([1.0], 0.0, saturated=True)
+        mode.adapt(np.ones(1), 0.0, saturated=True)
         assert (mode.estimate[0] == 1e-4) == freeze
 
 
@@ -120,10 +128,9 @@ def test_everything_is_finite_and_the_reaching_term_opposes_s(
     """At rest too, where xi/|xi|^2 is 0/0 as printed; a3 never drives s away from zero."""
     mode = sliding(0.1, turning=(0,) if turning else (), clamp=clamp)
     for values in ((e, rate), (e, 0.0), (0.0, 0.0)):
-        terms = mode.terms([values[0]], [values[1]], [e_dot if turning else values[1]], rate * rate)
-        numbers_of = [terms.s, terms.delta, terms.xi, terms.equivalent, terms.reaching, terms.loop_gain]
-        assert np.isfinite(numbers_of).all()
-        assert terms.reaching[0] * terms.s[0] <= 0.0
+        terms = terms_of(mode, *values, e_dot if turning else values[1], rate * rate)
+        assert np.isfinite(terms).all()
+        assert terms[REACHING] * terms[S] <= 0.0
 
 
 def test_loop_gain_is_the_slope_of_the_sampled_map() -> None:
@@ -131,12 +138,12 @@ def test_loop_gain_is_the_slope_of_the_sampled_map() -> None:
     period, rate = 0.02, 0.05
     mode = sliding(period, adaptation={"initial": 0.02})
     edge, h = 1e-3 - rate**R / 0.1, 1e-9
-    inner, outer = (mode.terms([edge - x], [rate], [rate], 0.0).reaching[0] for x in (2 * h, h))
+    inner, outer = (terms_of(mode, edge - x, rate, rate, 0.0)[REACHING] for x in (2 * h, h))
     slope = (inner - outer) / h
     moved = period * R / 0.1 * rate ** (R - 1.0) * slope
     within = loop_gain(period, R, 0.1, rate ** (R - 1.0), 0.02 / 1e-3)
     assert moved == pytest.approx(within, rel=1e-4)
-    assert mode.terms([edge], [rate], [rate], 0.0).loop_gain[0] > within
+    assert terms_of(mode, edge, rate, rate, 0.0)[LOOP_GAIN] > within
 
 
 @pytest.mark.parametrize("k2", [0.1, 0.6])

@@ -239,7 +239,7 @@ def test_rosbags_reads_the_directory_without_a_gap(run):
     with AnyReader([run]) as reader:
         assert reader.message_count == 1 + COUNT * len(LOGGED)
         assert {c.topic: c.msgcount for c in reader.connections} == {
-            "/robot_description": 1, **{log_name(topic): COUNT for topic in LOGGED}
+            "/robot_description": 1, "/tf": 0, "/tf_static": 0, **{log_name(topic): COUNT for topic in LOGGED}
         }  # fmt: skip
         seen = {c.topic: [] for c in reader.connections}
         for connection, timestamp, raw in reader.messages():
@@ -258,9 +258,10 @@ def test_rosbags_reads_the_bare_file_and_its_qos(run):
         assert reader.message_count == 1 + COUNT * len(LOGGED)
         for connection in reader.connections:
             (offer,) = connection.ext.offered_qos_profiles
-            depth = 1 if connection.topic == "/robot_description" else 1000
+            depth = {"/robot_description": 1, "/tf": 10, "/tf_static": 1}.get(connection.topic, 1000)
+            durability = "VOLATILE" if connection.topic == "/tf" else "TRANSIENT_LOCAL"
             assert (offer.history.name, offer.depth, offer.reliability.name) == ("KEEP_LAST", depth, "RELIABLE")
-            assert (offer.durability.name, offer.liveliness.name) == ("TRANSIENT_LOCAL", "AUTOMATIC")
+            assert (offer.durability.name, offer.liveliness.name) == (durability, "AUTOMATIC")
 
 
 def test_mcap_reads_every_message_with_valid_checksums(run):
