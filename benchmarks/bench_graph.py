@@ -116,13 +116,13 @@ def _transport(composition: Composition) -> float:
     state, reference = composition.plant().reset(), composition.reference().at(0)
     output = composition.controller().update(state.state, reference)
     raws = TickCodec(composition.joint_names).encode(Tick(state, reference, output))
-    messages = dict(zip(LOGGED, raws, strict=True))
+    messages = {topic: raw for topic, raw in zip(LOGGED, raws, strict=True) if raw is not None}
     world = {topic: raw for topic, raw in messages.items() if topic.publisher == "simulator"}
     mind = {topic: raw for topic, raw in messages.items() if topic.publisher != "simulator"}
     states, commands = topics_of("state"), topics_of("command")
     with private_context() as context:
         options: dict[str, Any] = {"context": context, **LIGHT}
-        nodes = [Echo("recorder", {}, LOGGED, **options), Echo("controller", mind, states, **options)]
+        nodes = [Echo("recorder", {}, tuple(messages), **options), Echo("controller", mind, states, **options)]
         simulator = Echo("simulator", world, commands, **options)
         executor = EventsExecutor(context=context)
         for node in (*nodes, simulator):

@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_msgs_py.errors import CommandError, LayoutError, NonFiniteError
+from space_robot_msgs_py.events import ControllerEvent
 
 Vector = npt.NDArray[np.float64]
 NANOSECONDS = 1_000_000_000
@@ -206,10 +207,11 @@ def _flat(block: Any) -> Vector | tuple[float]:
 
 @dataclass(frozen=True, slots=True)
 class ControlOutput:
-    """A command and what the law wants to be seen of how it came about."""
+    """A command, what the law wants to be seen of how it came about, and what has changed since the command before."""
 
     command: Command
     telemetry: Telemetry
+    events: tuple[ControllerEvent, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,12 @@
-"""std_msgs/String, rosgraph_msgs/Clock and the stamp in front of any stamped message."""
+"""std_msgs/String, events in one, rosgraph_msgs/Clock and the stamp in front of any stamped message."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from space_robot_msgs_py.cdr import ENCAPSULATION, UINT32, pack_stamp, unpack_stamp
 from space_robot_msgs_py.errors import LayoutError
+from space_robot_msgs_py.events import ControllerEvent
 
 
 def peek_stamp(raw: bytes) -> int:
@@ -37,6 +40,24 @@ def decode_string(raw: bytes) -> str:
         return data[:-1].decode()
     except UnicodeDecodeError:
         raise LayoutError("not UTF-8", key="std_msgs/msg/String", value=data[:40]) from None
+
+
+def encode_events(events: Iterable[ControllerEvent]) -> bytes:
+    """The events of one stamp as std_msgs/String, one per line."""
+    return encode_string("\n".join(event.line for event in events))
+
+
+def decode_events(raw: bytes) -> tuple[ControllerEvent, ...]:
+    """The events in a std_msgs/String, at least one.
+
+    Raises:
+        LayoutError: the bytes are not a string, a line is no event, or their stamps differ.
+    """
+    events = tuple(ControllerEvent.of(line) for line in decode_string(raw).split("\n"))
+    if len({event.stamp for event in events}) != 1:
+        stamps = [event.stamp for event in events]
+        raise LayoutError("events of different stamps", key="controller/events", value=stamps, accepted="one stamp")
+    return events
 
 
 def encode_clock(stamp: int) -> bytes:

@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from space_robot_msgs_py.errors import LayoutError
+from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.general import canonical_message
 from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Telemetry, Tick
 from space_robot_msgs_py.layout import Layout
 from space_robot_msgs_py.telemetry_codec import TelemetryCodec
-from space_robot_msgs_py.text_codecs import peek_stamp
-from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, TABLE, Topic
+from space_robot_msgs_py.text_codecs import decode_events, encode_events, peek_stamp
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, PLANT_TELEMETRY, TABLE, Topic
 from space_robot_msgs_py.value_codecs import CommandCodec, ReferenceCodec, StateCodec
 
 # What a tick consists of, in the order of the log; what follows from it comes behind it.
@@ -33,20 +34,21 @@ class TickCodec:
         self.controller_telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
         self.plant_telemetry = TelemetryCodec(PLANT_TELEMETRY)
 
-    def encode(self, tick: Tick) -> tuple[bytes, ...]:
-        """The messages of a tick in the order of ``LOGGED``.
+    def encode(self, tick: Tick) -> tuple[bytes | None, ...]:
+        """The messages of a tick in the order of ``LOGGED``; None where nothing happened.
 
         Raises:
             LayoutError: its values do not carry one stamp.
         """
         sample, output = tick.sample, tick.output
         values = (sample.state, tick.reference, output.command, output.telemetry, sample.telemetry)
-        if any(value.stamp != tick.stamp for value in values):
-            stamps = [value.stamp for value in values]
+        stamps = [value.stamp for value in values] + [event.stamp for event in output.events]
+        if any(stamp != tick.stamp for stamp in stamps):
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return (
             *self.state.encode(sample.state),
             *self.reference.encode(tick.reference),
+            encode_events(output.events) if output.events else None,
             *self.command.encode(output.command),
             *self.controller_telemetry.encode(output.telemetry),
             *self.plant_telemetry.encode(sample.telemetry),
@@ -75,7 +77,9 @@ class TickCodec:
         return Tick(
             PlantSample(state, _telemetry(self.plant_telemetry, parts, state.stamp)),
             reference,
-            ControlOutput(command, _telemetry(self.controller_telemetry, parts, state.stamp)),
+            ControlOutput(
+                command, _telemetry(self.controller_telemetry, parts, state.stamp), _events(parts, state.stamp)
+            ),
         )
 
 
@@ -105,6 +109,9 @@ class TopicBytes:
         layout = self._layouts.get(topic)
         if layout is not None and layout.is_canonical(raw):
             return peek_stamp(raw), raw
+        if topic is CONTROLLER_EVENTS:
+            events = decode_events(raw)
+            return events[0].stamp, encode_events(events)
         telemetry = self._telemetry.get(topic)
         if telemetry is None:
             data = self.canonical(topic, raw)
@@ -129,6 +136,15 @@ class TopicBytes:
         if layout is not None and layout.matches(raw):
             return layout.canonical(raw)
         return canonical_message(topic.type, raw)
+
+
+def _events(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, ...]:
+    raw = parts.get(CONTROLLER_EVENTS.name)
+    events = () if raw is None else decode_events(raw)
+    if events and events[0].stamp != stamp:
+        key, value = CONTROLLER_EVENTS.name, [stamp, events[0].stamp]
+        raise LayoutError("parts of different stamps", key=key, value=value, accepted="one stamp")
+    return events
 
 
 def _telemetry(codec: TelemetryCodec, parts: Mapping[str, bytes], stamp: int) -> Telemetry:

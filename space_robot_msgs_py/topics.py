@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 Kind = Literal[
-    "state", "reference", "command", "controller_telemetry", "plant_telemetry", "description", "event", "tool"
+    "state",
+    "reference",
+    "command",
+    "controller_telemetry",
+    "controller_event",
+    "plant_telemetry",
+    "description",
+    "event",
+    "tool",
 ]
 
 
@@ -21,6 +29,7 @@ class Topic:
         kind: the value it carries a part of; all topics of a kind share a stamp.
         publisher: the node that publishes it.
         latched: one message, kept for late joiners.
+        sporadic: not every stamp has a message.
         recorded: it is written to the log.
         deterministic: equal runs give equal bytes.
         derived: in the log it follows from other messages of its stamp; whoever writes the log makes it.
@@ -33,6 +42,7 @@ class Topic:
     publisher: str
     meaning: str
     latched: bool = False
+    sporadic: bool = False
     recorded: bool = True
     deterministic: bool = True
     derived: bool = False
@@ -88,6 +98,15 @@ REFERENCE_JOINTS = Topic(
     "reference",
     "guidance",
     "desired joint position, velocity and acceleration (one point)",
+)
+CONTROLLER_EVENTS = Topic(
+    "controller/events",
+    "std_msgs/msg/String",
+    "controller_event",
+    "controller",
+    "gains changed and laws switched in flight, one JSON line each: stamp [ns] of the first command it acts on, kind, "
+    "content; sent before that command",
+    sporadic=True,
 )
 WRENCH_COMMAND = Topic(
     "base/wrench_command",
@@ -179,6 +198,7 @@ TABLE: tuple[Topic, ...] = (
     REFERENCE_BASE,
     REFERENCE_BASE_ACCEL,
     REFERENCE_JOINTS,
+    CONTROLLER_EVENTS,
     WRENCH_COMMAND,
     JOINT_COMMAND,
     CONTROLLER_TELEMETRY,

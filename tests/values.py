@@ -6,6 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import (
     Command,
     ControlOutput,
@@ -77,7 +78,11 @@ def _tick(stamp, n, rng):
     state = RobotState(stamp, rng.normal(size=7 + n), rng.normal(size=6 + n), rng.normal(size=n), rng.normal(size=3))
     reference = Reference(stamp, rng.normal(size=7 + n), rng.normal(size=6 + n), rng.normal(size=6 + n))
     telemetry = Telemetry.of(stamp, {"error": rng.normal(size=n), "gain": rng.normal()})
-    output = ControlOutput(Command(stamp, rng.normal(size=6), rng.normal(size=n)), telemetry)
+    events = (
+        ControllerEvent(stamp, "parameters", {"values": {"gains.level": float(rng.normal())}}),
+        ControllerEvent(stamp, "switch", {"from": "a", "to": "b"}),
+    )
+    output = ControlOutput(Command(stamp, rng.normal(size=6), rng.normal(size=n)), telemetry, events)
     return Tick(PlantSample(state, Telemetry.of(stamp, {"energy": rng.normal()})), reference, output)
 
 

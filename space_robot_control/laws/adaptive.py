@@ -90,7 +90,14 @@ class Adaptive(Law):
         self._cycle.reset()
         self._update = ParameterUpdate(self.robot, self.regressor.parameters, self._cycle, self.gains)
         self._wheels = WheelMomentum(self.robot, known=self.gains.gyroscopic)
-        self._begun = False
+        self._mass: Vector | None = None
+
+    def retune(self, gains: Gains) -> None:
+        """Go on with another Lambda or kappa; K_D stays kappa times the matrix of the first state."""
+        weight = gains.lambda_.values(self.robot, "controller.gains.lambda")[self._first :]
+        self._cycle.rule.weight[:] = weight
+        if self._mass is not None:
+            self._cycle.rule.damping[:] = gains.kappa * self._mass
 
     def review(self, path: Sequence[Reference]) -> Review:
         """The sampled-data stability rule along the path, see ``stability.stable_lambda``."""
@@ -106,9 +113,9 @@ class Adaptive(Law):
         x, dx = euler_state(state)
         self._check_pitch(x)
         self._update.observe(state, x, dx)
-        if not self._begun:
-            self._cycle.rule.damping[:] = self._damping_matrix(x)
-            self._begun = True
+        if self._mass is None:
+            self._mass = self._first_mass_matrix(x)
+            self._cycle.rule.damping[:] = self.gains.kappa * self._mass
         omega = state.v[3:6]
         u, value = self._cycle.answer(self._update.estimate, x, dx, omega, self._wheels.momentum, reference)
         desk = self._cycle.desk
@@ -119,7 +126,7 @@ class Adaptive(Law):
         self._update.hold(Held(x, dx, omega, middle, u[:6]))
         return u, blocks
 
-    def _damping_matrix(self, x: Vector) -> Vector:
+    def _first_mass_matrix(self, x: Vector) -> Vector:
         matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)
         lowest = float(np.linalg.eigvalsh(matrix)[0])
         if not lowest > 0.0:
@@ -129,7 +136,7 @@ class Adaptive(Law):
                 value=lowest,
                 accepted="eigenvalues > 0: a prior nearer to a robot that can exist",
             )
-        return self.gains.kappa * matrix
+        return matrix
 
     def _check_pitch(self, x: Vector) -> None:
         pitch = float(x[PITCH])

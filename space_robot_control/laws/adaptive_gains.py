@@ -7,6 +7,7 @@ from typing import Literal, Self
 from pydantic import ConfigDict, Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
 
 from space_robot_control.laws.per_dof import Axes, Joints, PerDof
+from space_robot_description.fields import DYNAMIC
 from space_robot_description.spec import Strict
 
 
@@ -61,12 +62,19 @@ class AdaptiveGains(Strict):
     update: Literal["none", "rls", "lyapunov", "composite"] = Field(
         default="rls", description="how the inertial parameters are corrected"
     )
-    lambda_: Lambda = Field(default_factory=Lambda, alias="lambda", description="weight Lambda [1/s, velocity: s]")
+    lambda_: Lambda = Field(
+        default_factory=Lambda,
+        alias="lambda",
+        description="weight Lambda [1/s, velocity: s]",
+        json_schema_extra=DYNAMIC,
+    )
     lambda_on: Literal["position", "velocity"] = Field(
         default="position", description="sigma = e' + Lambda e as printed in (33), or sigma = Lambda e' + e"
     )
     kappa: PositiveFloat = Field(
-        default=1.0, description="K_D = kappa M(pi_0, Theta_0) [1/s, lambda_on velocity: 1/s2]"
+        default=1.0,
+        description="K_D = kappa M(pi_0, Theta_0) [1/s, lambda_on velocity: 1/s2]",
+        json_schema_extra=DYNAMIC,
     )
     lead: bool = Field(default=False, description="reference and state half a period ahead, against the hold's delay")
     gyroscopic: bool = Field(

@@ -6,15 +6,17 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.laws.tracking import prepare
+from space_robot_description.fields import changed
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import CommandError, ControlError, NonFiniteError, SpecError
+from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import (
     NANOSECONDS,
     Command,
@@ -26,6 +28,7 @@ from space_robot_msgs_py.interfaces import (
 )
 
 Blocks = Mapping[str, npt.ArrayLike]
+GAINS = "gains."
 UNIT_TOLERANCE = 1e-3  # a measured quaternion further from unit length is an error, not noise
 
 
@@ -46,8 +49,8 @@ class Law(ABC):
     """A control law as a Controller: subclasses write ``compute`` and, if they remember anything, ``reset``.
 
     Subclasses with gains nest a ``Gains`` model and annotate ``gains: Gains``; every field has a default and a
-    description with its unit. A law is a function of the states and references since the last ``reset`` and of nothing
-    else.
+    description with its unit. A law is a function of the states and references since the last ``reset``, of what
+    ``tune`` was told between them, and of nothing else.
 
     Args:
         robot: the NOMINAL robot; the true one is never shown to a law.
@@ -84,6 +87,8 @@ class Law(ABC):
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
         prepare()
+        self._tuned: dict[str, Any] = {}
+        self._untold: list[tuple[str, Mapping[str, Any]]] = []
 
     @classmethod
     def must_compile(cls) -> bool:
@@ -112,8 +117,41 @@ class Law(ABC):
         return Review()
 
     def reset(self) -> None:
-        """Forget the past; the next update is the first of a run. Overriding laws call this one too."""
+        """Forget the past, but not what was tuned; the next update is the first of a run.
+
+        Overriding laws call this one too.
+        """
         self._layout = None
+        # A run that starts with other gains than its experiment says tells so first of all.
+        self._untold = [("parameters", {"values": dict(self._tuned)})] if self._tuned else []
+
+    def tune(self, changes: Mapping[str, Any]) -> None:
+        """Change gains in flight, from the next update on, whose output has the event; all of them or none.
+
+        Args:
+            changes: ``gains.<dotted name>`` of dynamic gains (``Field(..., json_schema_extra=DYNAMIC)``) to value.
+
+        Raises:
+            SpecError: a name or value is not accepted, or the law cannot fly with it.
+        """
+        names = [name.removeprefix(GAINS) for name in changes]
+        gains = changed(self.gains, dict(zip(names, changes.values(), strict=True)), f"controller.{GAINS}")
+        self.retune(gains)
+        self.gains = gains
+        told = dict(changes)
+        self._tuned |= told
+        self.tell("parameters", {"values": told})
+
+    def retune(self, gains: Any) -> None:
+        """Get ready to go on with other gains, as they are in ``gains``; by default nothing is to be done.
+
+        Laws that keep numbers made of dynamic gains override this, and refuse before they change anything.
+        """
+        del gains
+
+    def tell(self, kind: str, content: Mapping[str, Any]) -> None:
+        """Put an event into the next output, see ``ControllerEvent``."""
+        self._untold.append((kind, content))
 
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer one state with a command and telemetry of the same stamp.
@@ -129,7 +167,12 @@ class Law(ABC):
             raise self._failure(error.message, error.key or "u", state.stamp, error.value, error.accepted) from error
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             raise self._failure(str(error), "u", state.stamp) from error
-        return ControlOutput(self._command(state.stamp, u), self._telemetry(state.stamp, blocks))
+        command, telemetry = self._command(state.stamp, u), self._telemetry(state.stamp, blocks)
+        if not self._untold:
+            return ControlOutput(command, telemetry)
+        events = tuple(ControllerEvent(state.stamp, kind, content) for kind, content in self._untold)
+        self._untold = []
+        return ControlOutput(command, telemetry, events)
 
     def _check(self, state: RobotState, reference: Reference) -> None:
         if state.q.size != 7 + self.n or reference.q.size != 7 + self.n:

@@ -9,6 +9,7 @@ from space_robot_control.laws.dynamics import NominalModel
 from space_robot_control.laws.per_dof import Axes, Joints, PerDof
 from space_robot_control.laws.stability import stability_margin
 from space_robot_control.laws.tracking import error_blocks, tracking_errors
+from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
@@ -50,8 +51,12 @@ class ComputedTorque(Law):
     class Gains(Law.Gains):
         """Gains of computed torque."""
 
-        bandwidth: Bandwidth = Field(default_factory=Bandwidth, description="natural frequency wn per DoF [rad/s]")
-        damping: PositiveFloat = Field(default=1.0, description="damping ratio zeta of every DoF [-]")
+        bandwidth: Bandwidth = Field(
+            default_factory=Bandwidth, description="natural frequency wn per DoF [rad/s]", json_schema_extra=DYNAMIC
+        )
+        damping: PositiveFloat = Field(
+            default=1.0, description="damping ratio zeta of every DoF [-]", json_schema_extra=DYNAMIC
+        )
         allow_unstable: bool = Field(default=False, description="accept gains outside the sampled loop's stable region")
 
     name = "computed_torque"
@@ -60,10 +65,14 @@ class ComputedTorque(Law):
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
         self.model = NominalModel(robot)
-        wn = self.gains.bandwidth.values(robot, "controller.gains.bandwidth")
-        if not self.gains.allow_unstable:
-            _check_stability(wn, self.gains.damping, control_period, robot)
-        self._kp, self._kd = wn * wn, 2.0 * self.gains.damping * wn
+        self.retune(self.gains)
+
+    def retune(self, gains: Gains) -> None:
+        """Go on with another bandwidth or damping."""
+        wn = gains.bandwidth.values(self.robot, "controller.gains.bandwidth")
+        if not gains.allow_unstable:
+            _check_stability(wn, gains.damping, self.control_period, self.robot)
+        self._kp, self._kd = wn * wn, 2.0 * gains.damping * wn
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class."""

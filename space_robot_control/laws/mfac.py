@@ -13,13 +13,14 @@ from space_robot_control.laws.mfac_gains import MfacGains
 from space_robot_control.laws.mfac_tuning import Tuning, adjusted, review, tuning
 from space_robot_control.laws.sensing import Sensing
 from space_robot_control.laws.tracking import error_blocks, tracking_errors
-from space_robot_control.mfac.controller import IncrementalController, weights_of
+from space_robot_control.mfac.controller import IncrementalController, Weights, weights_of
 from space_robot_control.mfac.estimator import PseudoGradient
 from space_robot_control.mfac.excitation import Pulses, Push
 from space_robot_control.mfac.initial import Response, ResponseFit
 from space_robot_control.mfac.mapping import Mapping, Scales
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
@@ -72,6 +73,14 @@ class ModelFree(Law):
             pulses = initial.source == "pulses"
             self._excitation = Pulses(max(1, ticks // 4), size) if pulses else Push(ticks, size)
         self.reset()
+
+    def retune(self, gains: Gains) -> None:
+        """Go on with another kappa or rho; Phi and the past stay."""
+        if gains.adjust:
+            raise SpecError("chosen in flight", key="controller.gains.adjust", value=True, accepted="false, to tune")
+        self._tuning = tuning(gains, self.channels, self.control_period)
+        if self._loop is not None:
+            self._loop.controller.weigh(_weights(gains, self._tuning))
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Say where the sampled loop of each channel stands on the stability map; warn where it is unstable."""
@@ -162,8 +171,7 @@ class _Loop:
         first, spec = self._scales.scaled(mapping.first(response), gains.output_order), gains.estimator
         orders = gains.output_order, gains.input_order
         self.gradient = PseudoGradient(first, *orders, sigma=spec.sigma, beta=spec.beta, floor=spec.floor)
-        weights = weights_of(*orders, chosen.rho, chosen.kappa, gains.control_weight)
-        self.controller = IncrementalController(weights, *orders, limit / self._scales.input)
+        self.controller = IncrementalController(_weights(gains, chosen), *orders, limit / self._scales.input)
         self._lead, self._order = lead, gains.output_order
         self.out, self._begun = np.zeros(channels.size), False
 
@@ -188,6 +196,10 @@ class _Loop:
         phi = self.gradient.block(self._order)
         out: Vector = phi / self._scales.output[:, None] / self._scales.input
         return out
+
+
+def _weights(gains: MfacGains, chosen: Tuning) -> Weights:
+    return weights_of(gains.output_order, gains.input_order, chosen.rho, chosen.kappa, gains.control_weight)
 
 
 def _believed(found: Response, nominal: Vector, trust: float) -> tuple[Vector, Vector]:

@@ -8,6 +8,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_
 
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.sensing import FilterSpec
+from space_robot_description.fields import DYNAMIC
 from space_robot_description.spec import Strict
 
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
@@ -57,9 +58,11 @@ class MfacGains(Law.Gains):
         default=None, description="c of z, or of rho = T/c [s]; one number or by channel; default 10 control periods"
     )
     rho: PositiveFloat | None = Field(
-        default=None, description="weight of the error [-]; default 1/(4 (1 + kappa)), position form: T / lead"
+        default=None,
+        description="weight of the error [-]; default 1/(4 (1 + kappa)), position form: T / lead",
+        json_schema_extra=DYNAMIC,
     )
-    kappa: NonNegativeFloat = Field(default=1.0, description="lambda / phi^2 [-]")
+    kappa: NonNegativeFloat = Field(default=1.0, description="lambda / phi^2 [-]", json_schema_extra=DYNAMIC)
     control_weight: NonNegativeFloat = Field(
         default=0.0, description="lambda itself, added [squared units of phi, see `units`]"
     )

@@ -10,6 +10,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_
 
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.per_dof import OneForAll
+from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict, expand
 from space_robot_msgs_py.interfaces import Vector
@@ -91,10 +92,18 @@ class Adaptation(Strict):
 class SlidingGains(Law.Gains):
     """Gains of terminal sliding mode control; [.] stands for the unit of the DoF, m or rad."""
 
-    gamma: PerDof = Field(default_factory=PerDof, description="Gamma of (10) and (14), per DoF [s^-r, per [.]^(1-r)]")
-    k1: NonNegativeFloat = Field(default=1e-2, description="K_1 of (28c), for all DoFs [1/s2]")
-    k2: PerDof = Field(default_factory=PerDof, description="K_2 of (28c), per DoF [1/s2]")
-    boundary_layer: PositiveFloat = Field(default=1e-3, description="Phi, half width of the boundary layer [m, rad]")
+    gamma: PerDof = Field(
+        default_factory=PerDof,
+        description="Gamma of (10) and (14), per DoF [s^-r, per [.]^(1-r)]",
+        json_schema_extra=DYNAMIC,
+    )
+    k1: NonNegativeFloat = Field(
+        default=1e-2, description="K_1 of (28c), for all DoFs [1/s2]", json_schema_extra=DYNAMIC
+    )
+    k2: PerDof = Field(default_factory=PerDof, description="K_2 of (28c), per DoF [1/s2]", json_schema_extra=DYNAMIC)
+    boundary_layer: PositiveFloat = Field(
+        default=1e-3, description="Phi, half width of the boundary layer [m, rad]", json_schema_extra=DYNAMIC
+    )
     exponents: Exponents = Field(default_factory=Exponents, description="p, q, p1, q1, p2, q2 [-]")
     adaptation: Adaptation = Field(default_factory=Adaptation, description="of K_hat [m/s2, rad/s2]")
     clamp: bool = Field(default=False, description="bound u2 and u3 to what one held command may do")

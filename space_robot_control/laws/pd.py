@@ -13,6 +13,7 @@ from space_robot_control.laws.dynamics import NominalModel
 from space_robot_control.laws.sensing import FilterSpec, Sensing
 from space_robot_control.laws.stability import stability_margin
 from space_robot_control.laws.tracking import error_blocks, tracking_errors
+from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
@@ -41,9 +42,11 @@ class ProportionalDerivative(Law):
         """Gains of the PD law."""
 
         bandwidth: PositiveFloat | dict[str, PositiveFloat] = Field(
-            default=0.5, description="wn, one number or a mapping by channel [rad/s]"
+            default=0.5,
+            description="wn, one number or a mapping by channel [rad/s]",
+            json_schema_extra=DYNAMIC,
         )
-        damping: PositiveFloat = Field(default=1.0, description="zeta of every channel [-]")
+        damping: PositiveFloat = Field(default=1.0, description="zeta of every channel [-]", json_schema_extra=DYNAMIC)
         outputs: tuple[str, ...] = Field(
             default=(), description="channels: x, y, z, roll, pitch, yaw, joint names; default all"
         )
@@ -57,9 +60,13 @@ class ProportionalDerivative(Law):
         super().__init__(robot, control_period, gains)
         self.channels = Channels(robot, self.gains.outputs, self.gains.held)
         self._model = NominalModel(robot)
-        self._wn = expand(self.gains.bandwidth, self.channels.names, "controller.gains.bandwidth")
+        self.retune(self.gains)
         self._sensing = Sensing(self.channels, self.gains.filter, control_period)
         self._response: Vector | None = None
+
+    def retune(self, gains: Gains) -> None:
+        """Go on with another bandwidth or damping."""
+        self._wn = expand(gains.bandwidth, self.channels.names, "controller.gains.bandwidth")
 
     def reset(self) -> None:
         """Forget filter and response."""

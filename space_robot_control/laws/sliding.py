@@ -79,6 +79,10 @@ class SlidingMode:
         """Forget what was adapted."""
         self._estimate = np.full(self._rule.gamma.size, self._adaptation.initial)
 
+    def adopt(self, estimate: Vector) -> None:
+        """Go on from a K_hat (m,) that was adapted elsewhere [m/s2, rad/s2]."""
+        self._estimate = np.array(estimate)
+
     @property
     def estimate(self) -> Vector:
         """(m,) K_hat [m/s2, rad/s2]."""

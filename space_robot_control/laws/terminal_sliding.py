@@ -53,9 +53,7 @@ class TerminalSliding(Law):
         super().__init__(robot, control_period, gains)
         self.model, self.limits = NominalModel(robot), CommandLimits(robot)
         self.skip = 3 if robot.base_mode == "free_floating" else 0
-        gamma, k2 = (gain[self.skip :].tolist() for gain in (self.gains.gamma_of(robot), self.gains.k2_of(robot)))
-        rotation = range(3 - self.skip, 6 - self.skip)
-        self.sliding = SlidingMode(self.gains, gamma, k2, rotation, control_period)
+        self.sliding = self._sliding_mode(self.gains)
         self.observer = DisturbanceObserver(self.gains.disturbance_observer, control_period, 6 + robot.n)
         q, own, rows = Reference(0, np.zeros(7), np.zeros(6), np.zeros(6)).q, np.zeros(6), np.zeros((4, 3))
         ready(stack, q, own, own, rows, rows)
@@ -65,6 +63,16 @@ class TerminalSliding(Law):
     def must_compile(cls) -> bool:
         """True before the first terminal sliding mode law on a machine."""
         return not cached(Path(sliding.__file__), sliding.slide.__name__)
+
+    def retune(self, gains: SlidingGains) -> None:
+        """Go on with other Gamma, K_1, K_2 or Phi and the K_hat that was adapted."""
+        mode = self._sliding_mode(gains)
+        mode.adopt(self.sliding.estimate)
+        self.sliding = mode
+
+    def _sliding_mode(self, gains: SlidingGains) -> SlidingMode:
+        gamma, k2 = (gain[self.skip :].tolist() for gain in (gains.gamma_of(self.robot), gains.k2_of(self.robot)))
+        return SlidingMode(gains, gamma, k2, range(3 - self.skip, 6 - self.skip), self.control_period)
 
     @abstractmethod
     def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:

@@ -65,6 +65,10 @@ class IncrementalController:
         self._proportional, self._integral, self._command = zero, zero, zero
         self.saturated = np.zeros(zero.size, dtype=bool)
 
+    def weigh(self, weights: Weights) -> None:
+        """Go on with other rho, kappa or control weight; the orders stay."""
+        self._weights = weights
+
     @property
     def command(self) -> Vector:
         """(m,) u(k), within the limits."""

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from typing import Any
 
-from space_robot_msgs_py.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec, peek_stamp
+from rclpy.duration import Duration
+
+from space_robot_msgs_py.codecs import (
+    CommandCodec,
+    ReferenceCodec,
+    StateCodec,
+    TelemetryCodec,
+    encode_events,
+    peek_stamp,
+)
 from space_robot_msgs_py.errors import SpaceRobotError
-from space_robot_msgs_py.interfaces import Controller, Reference, RobotState
+from space_robot_msgs_py.interfaces import Controller, ControlOutput, Reference, RobotState
 from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.nodes.base import GraphNode, publish_all
-from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, Topic
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, Topic
 
 JOIN_CAPACITY = 1024
+HEARING_SECONDS = 5.0
 
 
 class ControllerNode(GraphNode):
@@ -37,6 +47,7 @@ class ControllerNode(GraphNode):
         self.malformed = 0
         self._command_publishers = [self.publisher(topic) for topic in self._command.topics]
         self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
+        self._event_publisher = self.publisher(CONTROLLER_EVENTS)
         inputs = (*self._state.topics, *self._reference.topics)
         self._joiner: StampJoiner[bytes] = StampJoiner(len(inputs), JOIN_CAPACITY, once=False)
         self._controller.reset()
@@ -74,6 +85,13 @@ class ControllerNode(GraphNode):
         except SpaceRobotError as error:
             self.fail(error)
             return
+        self._send(output)
+
+    def _send(self, output: ControlOutput) -> None:
+        if output.events:
+            self._event_publisher.publish(encode_events(output.events))
+            # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.
+            self._event_publisher.wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
         # Telemetry first: when the plant has stepped, everything that belongs to the step before is on its way.
         self._telemetry_publisher.publish(self._telemetry.encode(output.telemetry)[0])
         publish_all(self._command_publishers, self._command.encode(output.command))

@@ -13,7 +13,7 @@ from rclpy.time import Time
 from space_robot_msgs_py.codecs import LOGGED, TopicBytes, decode_string, encode_clock
 from space_robot_msgs_py.errors import CommandError, SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
-from space_robot_msgs_py.topics import BASE_ODOM, RECORDER_CREDIT, ROBOT_DESCRIPTION, TABLE, Topic
+from space_robot_msgs_py.topics import BASE_ODOM, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic
 
 WINDOW = 50
 EARLY = 64
@@ -75,14 +75,15 @@ class RecorderNode(GraphNode):
         self._early: dict[int, dict[Topic, bytes]] = {}
         self._urdf: str | None = None
         self._pending: dict[int, dict[Topic, bytes]] = {}
-        self._expected = set(LOGGED)
+        self._expected = {topic for topic in LOGGED if not topic.sporadic}
         self._canonical = TopicBytes(joint_names)
         self.closed = False
         self.heard = 0
         self.gaps = 0
         self.malformed = 0
         self.listen(ROBOT_DESCRIPTION, self._on_description)
-        self._readers = {topic: self._listen_recorded(topic) for topic in sorted(self._expected, key=TABLE.index)}
+        listeners = {topic: self._listen_recorded(topic) for topic in LOGGED}
+        self._readers = {topic: reader for topic, reader in listeners.items() if topic in self._expected}
         self._credit_publisher = self.publisher(RECORDER_CREDIT)
         self._given = -1
         self._clock_of_calls = Clock(clock_type=ClockType.STEADY_TIME)

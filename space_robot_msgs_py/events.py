@@ -1,0 +1,47 @@
+"""What happened to a controller in flight, so that a log tells it and a replay can do it again: one JSON line each."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from space_robot_msgs_py.errors import LayoutError
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerEvent:
+    """Something that changes how a controller answers, from the state with this stamp on.
+
+    Attributes:
+        stamp: of the first command it acts on [ns].
+        kind: ``parameters`` (content ``values``: what ``Tunable.tune`` was given) or ``switch`` (``from``, ``to``).
+        content: plain data.
+    """
+
+    stamp: int
+    kind: str
+    content: Mapping[str, Any]
+
+    @property
+    def line(self) -> str:
+        """The event as one line of JSON; equal events give equal lines."""
+        return json.dumps({"stamp": self.stamp, "kind": self.kind, **self.content}, allow_nan=False)
+
+    @classmethod
+    def of(cls, line: str) -> ControllerEvent:
+        """The event in a line.
+
+        Raises:
+            LayoutError: it is none.
+        """
+        try:
+            content = json.loads(line)
+            stamp, kind = content.pop("stamp"), content.pop("kind")
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+            raise LayoutError(f"not an event ({error})", key="controller/events", value=line[:80]) from None
+        if type(stamp) is not int or stamp < 0 or not isinstance(kind, str):
+            accepted = "an integer stamp [ns] and a kind"
+            raise LayoutError("not an event", key="controller/events", value=line[:80], accepted=accepted)
+        return cls(stamp, kind, content)
