@@ -20,7 +20,6 @@ from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log_arrays import LogArrays, arrays_of
 from space_robot_msgs_py.log_preamble import log_name
 from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_recover import recover
 from space_robot_msgs_py.log_writer import LogSink, LogWriter
 from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, scan
 from space_robot_msgs_py.topics import JOINT_COMMAND
@@ -155,24 +154,6 @@ def test_damage_is_noticed_or_harmless(run, tmp_path, part):
     ticks, refusal = _attempt(path)
     assert _beginning(ticks)
     assert "\n" not in (refusal or "")
-
-
-@pytest.mark.parametrize("part", [5, 8, 10])
-@pytest.mark.parametrize("closed", [False, True])
-def test_recovered_logs_open_everywhere(run, killed, tmp_path, part, closed):
-    """A cut log, plain or indexed, gets index and metadata, keeps its ticks, and rosbags opens it as a bag."""
-    data = (run / "run_0.mcap").read_bytes() if closed else killed
-    place = tmp_path / "cut"
-    place.mkdir()
-    (place / "cut_0.mcap").write_bytes(data[: len(data) * part // 10 - (0 if closed else 3)])
-    before = [values.bits(tick) for tick in LogReader(place).ticks()]
-    path = recover(place)
-    assert [values.bits(tick) for tick in LogReader(path).ticks()] == before
-    with AnyReader([place]) as reader:
-        assert sum(1 for _ in reader.messages()) == reader.message_count == sum(1 for _ in LogReader(place).messages())
-    first = path.read_bytes()
-    assert recover(path).read_bytes() == first
-    assert "end_reason: " in (place / "metadata.yaml").read_text()
 
 
 def test_a_missing_message_is_noticed(killed, tmp_path):
