@@ -7,12 +7,15 @@ from pathlib import Path
 
 import pytest
 
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.replay.command import Replayed
 from space_robot_bringup.replay.comparison import Divergence, Tolerance
 from space_robot_bringup.replay.outcome import Outcome
 from space_robot_msgs_py.codecs import LOGGED, TickCodec
+from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogWriter
+from space_robot_msgs_py.log_writer import LogSink, LogWriter
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND
 from tests.integration.tool import Tool, refused
 from tests.replays import assert_equal, fly, replayed
@@ -161,10 +164,6 @@ def test_missing_commands_are_flown_in_the_hold(bag: Path, tmp_path: Path) -> No
 
 def fly_with_losses(place: Path, experiment: str) -> Path:
     """What a paced run leaves: commands that came one period late, and some that never came."""
-    from space_robot_bringup.compose import compose
-    from space_robot_bringup.experiment import load_experiment
-    from space_robot_msgs_py.interfaces import Tick
-
     composition = compose(load_experiment(experiment, [SHORT]))
     plant, law, reference = composition.plant(), composition.controller(), composition.reference()
     codec, writer = TickCodec(composition.joint_names), LogWriter(place, composition.header)
@@ -173,7 +172,8 @@ def fly_with_losses(place: Path, experiment: str) -> Path:
     for index in range(21):
         asked = reference.at(sample.state.stamp)
         output = law.update(sample.state, asked)
-        parts = dict(zip(LOGGED, codec.encode(Tick(sample, asked, output)), strict=True))
+        row = zip(LOGGED, codec.encode(Tick(sample, asked, output)), strict=True)
+        parts = {topic: raw for topic, raw in row if raw is not None}
         if index % 5 == 3:
             parts = {
                 topic: raw for topic, raw in parts.items() if topic.kind not in ("command", "controller_telemetry")
@@ -183,6 +183,34 @@ def fly_with_losses(place: Path, experiment: str) -> Path:
         late = output.command if index % 5 == 2 else None
         sample = plant.step(due)
     writer.close("completed")
+    return place
+
+
+def test_gains_changed_in_flight_are_changed_again(tmp_path: Path) -> None:
+    """A run in which gains were set at some state replays with them set there; without the event it differs there."""
+    bag = tuned(tmp_path / "run", {7: {"gains.damping": 0.8}, 15: {"gains.damping": 0.7}})
+    assert_equal(bag)
+    names = ("controller/events",)
+    forgotten = one(replayed(rewritten(bag, tmp_path / "forgotten", drop=names), against="controller"))
+    assert first(forgotten).stamp == 7 * PERIOD
+    other = replayed(bag, against="controller", overrides=["controller.law=none"])
+    assert "do not fit" in one(other).remarks[0]
+
+
+def tuned(place: Path, changes: dict[int, dict[str, float]]) -> Path:
+    """A flight whose gains are set at some ticks."""
+    composition = compose(load_experiment("compare/mini", [SHORT, "controller.law=computed_torque"]))
+    plant, law, reference = composition.plant(), composition.controller(), composition.reference()
+    sink = LogSink(place, composition.header)
+    sample = plant.reset()
+    for index in range(21):
+        if index in changes:
+            law.tune(changes[index])
+        asked = reference.at(sample.state.stamp)
+        output = law.update(sample.state, asked)
+        sink.record(Tick(sample, asked, output))
+        sample = plant.step(output.command)
+    sink.close("completed")
     return place
 
 
