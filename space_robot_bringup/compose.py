@@ -50,6 +50,7 @@ class Composition:
     nominal: Robot
     truth: Robot
     changes: tuple[tuple[int, Robot], ...]
+    _reference: ReferenceSource
     _seeds: tuple[np.random.SeedSequence, ...]
     _q0: Vector
     _v0: Vector
@@ -77,8 +78,8 @@ class Composition:
         return make_controller(self.experiment.controller, self.nominal, self.experiment.control_period)
 
     def reference(self) -> ReferenceSource:
-        """A new reference source."""
-        return make_reference(self.experiment.reference, self.nominal, self._q0)
+        """The reference source: a function of time, which all who ask share."""
+        return self._reference
 
     def review(self) -> Review:
         """What the law says about this flight before it: see ``Law.review``."""
@@ -112,11 +113,11 @@ def compose(experiment: Experiment) -> Composition:
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)
-    composition = Composition(experiment, nominal, truth, changes, seeds, q0, v0)
+    reference = make_reference(experiment.reference, nominal, q0)
+    composition = Composition(experiment, nominal, truth, changes, reference, seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
     check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
-    composition.reference()
     _check_recorded(experiment)
     composition.controller()
     return composition

@@ -66,9 +66,9 @@ class TerminalSliding(Law):
 
     def retune(self, gains: SlidingGains) -> None:
         """Go on with other Gamma, K_1, K_2 or Phi and the K_hat that was adapted."""
-        sliding = self._sliding_mode(gains)
-        sliding.adopt(self.sliding.estimate)
-        self.sliding = sliding
+        mode = self._sliding_mode(gains)
+        mode.adopt(self.sliding.estimate)
+        self.sliding = mode
 
     def _sliding_mode(self, gains: SlidingGains) -> SlidingMode:
         gamma, k2 = (gain[self.skip :].tolist() for gain in (gains.gamma_of(self.robot), gains.k2_of(self.robot)))

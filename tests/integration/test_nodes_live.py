@@ -208,7 +208,8 @@ def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Pa
         robot.spin_until(lambda: robot.simulator.commands.counts["missed"] > 3, "missed commands")
         assert transit(robot, "controller", Transition.TRANSITION_ACTIVATE)
         robot.spin_until(lambda: robot.simulator.commands.answered, "an answer")
-        assert not set_parameters(robot, "simulator", realtime=0.0).successful
+        for wrong in (0.0, 0, -1.0, "fast", float("nan"), True):
+            assert not set_parameters(robot, "simulator", realtime=wrong).successful
         assert set_parameters(robot, "simulator", realtime=1000.0).successful
         robot.spin_until(lambda: robot.simulator.end_reason, "the end of the run")
         assert robot.simulator.end_reason == "completed"

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from space_robot_bringup.experiment import Expectation
-from space_robot_bringup.metrics import RunMetrics, measure, metric_names
+from space_robot_bringup.metrics import RunMetrics, deviations, measure, metric_names
 from space_robot_bringup.verdict import check_expectations, judge
-from space_robot_control.rotations import exp
+from space_robot_control.rotations import exp, log, relative
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import (
     Command,
@@ -100,3 +100,13 @@ def test_the_verdict_fails_what_is_missing_or_out_of_bounds() -> None:
     assert names == list(metrics.flat())
     with pytest.raises(SpecError, match=r"base/roll\.final_error"):
         check_expectations({"base/rol.final_error": Expectation(max=1.0)}, names)
+
+
+def test_deviations_are_rotation_vectors_the_short_way() -> None:
+    """For random pairs, equal ones and both signs of one attitude: what ``rotations`` says of each pair, to 1e-14."""
+    goals, actual = np.random.default_rng(0).normal(size=(2, 200, 4))
+    actual[0], actual[1] = goals[0], -goals[1]
+    q_d, q = (np.zeros((200, 7)) for _ in range(2))
+    q_d[:, 3:], q[:, 3:] = (a / np.linalg.norm(a, axis=1, keepdims=True) for a in (goals, actual))
+    expected = [log(relative(g[3:], a[3:])) for g, a in zip(q_d, q, strict=True)]
+    np.testing.assert_allclose(deviations(q, q_d)[:, 3:6], expected, rtol=0, atol=1e-14)
