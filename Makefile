@@ -7,7 +7,7 @@ OUT ?= out/demo
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 
-.PHONY: demo test check bench studies clean
+.PHONY: demo test check golden bench studies clean
 .DEFAULT_GOAL := help
 
 help:
@@ -15,6 +15,7 @@ help:
 	@echo "make test    the whole test suite with ruff, mypy and the import test"
 	@echo "make check   ruff and mypy only"
 	@echo "make studies every figure and table of the three papers and the comparison of the laws; leaves pages in out/studies"
+	@echo "make golden  fly the reference logs of the tests again, and say what is different"
 	@echo "make bench   speed of the plant, the loop, the graph and the log"
 
 $(VENV)/bin/uv:
@@ -44,6 +45,9 @@ check: $(VENV)/.dev
 
 test: check
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+golden: $(VENV)/.run
+	$(BIN)/space-robot replay tests/data/golden/* --update-refs
 
 bench: $(VENV)/.dev
 	$(BIN)/python -m benchmarks

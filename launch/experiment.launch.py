@@ -1,46 +1,97 @@
-"""``ros2 launch space_robot experiment.launch.py experiment:=liu2023/fig08 out:=runs/fig08 [realtime:=1.0]``.
+"""``ros2 launch space_robot_bringup experiment.launch.py experiment:=liu2023/fig08 controller:=ntsmc realtime:=1.0``.
 
-The nodes of ``space-robot run --mode processes``, started by ROS launch. Every node ends with the run; when one fails,
-the others are shut down and the recorder closes its log.
+The nodes of ``space-robot run --mode processes``, started by ROS launch. Every node ends with the run. When one fails,
+the others end too, the recorder closes its log, and launch exits with 1.
 """
 
 from __future__ import annotations
 
-import sys
+import shlex
+from pathlib import Path
 
-from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, RegisterEventHandler, Shutdown
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, RegisterEventHandler, TimerAction
+from launch.conditions import evaluate_condition_expression
 from launch.event import Event
 from launch.event_handlers import OnProcessExit
 from launch.events.process import ProcessExited
+from launch.substitutions import TextSubstitution
+from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
 
-ROLES = ("recorder", "guidance", "controller", "simulator")
+PACKAGES = {
+    "recorder": "space_robot_sim",
+    "guidance": "space_robot_control",
+    "controller": "space_robot_control",
+    "simulator": "space_robot_sim",
+}
+ARGUMENTS = {
+    "experiment": (None, "shipped name or YAML file"),
+    "controller": ("", "law to fly it with; default: the one of the experiment"),
+    "record": ("true", "whether a recorder takes part and keeps a log"),
+    "out": ("", "run directory; default: runs/ and the name of the experiment"),
+    "realtime": ("", "simulated seconds per second; default: lock-step, as fast as it goes"),
+    "namespace": ("", "of all nodes and topics, one for each robot on a domain"),
+    "set": ("", "further keys of the experiment, 'key=value key=value'"),
+    "nodes": (" ".join(PACKAGES), "which to start here, where a graph is spread over machines"),
+}
+# A node that fails says why before it ends; the recorder needs a moment to hear and to write it.
+HEARING_SECONDS = 3.0
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Arguments and the four nodes."""
+    """Arguments and nodes."""
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=text)
+        for name, (default, text) in ARGUMENTS.items()
+    ]
     return LaunchDescription(
-        [
-            DeclareLaunchArgument("experiment", description="shipped name or YAML file"),
-            DeclareLaunchArgument("out", description="run directory"),
-            DeclareLaunchArgument("realtime", default_value="", description="simulated seconds per second"),
-            OpaqueFunction(function=_nodes),
-        ]
+        [*declared, OpaqueFunction(function=_nodes), RegisterEventHandler(OnProcessExit(on_exit=_on_exit))]
     )
 
 
-def _nodes(context: LaunchContext) -> list[ExecuteProcess | RegisterEventHandler]:
-    arguments = context.launch_configurations
-    options = ["--experiment", arguments["experiment"], "--out", arguments["out"]]
-    if arguments["realtime"]:
-        options += ["--realtime", arguments["realtime"]]
-    module = [sys.executable, "-m", "space_robot_bringup.nodes.process"]
-    processes = [ExecuteProcess(cmd=[*module, role, *options], name=role, output="screen") for role in ROLES]
-    return [*processes, RegisterEventHandler(OnProcessExit(on_exit=_on_exit))]
+def _nodes(context: LaunchContext) -> list[Node]:
+    chosen = context.launch_configurations
+    recorded = evaluate_condition_expression(context, [TextSubstitution(text=chosen["record"])])
+    options = _options(chosen, recorded)
+    roles = chosen["nodes"].split()
+    if unknown := sorted(set(roles) - set(PACKAGES)):
+        raise ValueError(f"nodes: no such node; got {', '.join(unknown)}; accepted: {', '.join(PACKAGES)}")
+    return [
+        Node(
+            package=PACKAGES[role],
+            executable=role,
+            namespace=chosen["namespace"],
+            arguments=options,
+            output="screen",
+        )
+        for role in roles
+        if recorded or role != "recorder"
+    ]
 
 
-def _on_exit(event: Event, context: LaunchContext) -> Shutdown | None:
-    if isinstance(event, ProcessExited) and event.returncode:
-        return Shutdown(reason=f"{event.process_name} failed")
-    return None
+def _options(chosen: dict[str, str], recorded: bool) -> list[str]:
+    """The command line that all nodes share: one experiment, whoever reads it."""
+    out = chosen["out"] or str(Path("runs") / Path(chosen["experiment"]).stem)
+    options = ["--experiment", chosen["experiment"], "--out", out]
+    if not recorded:
+        options.append("--no-record")
+    if chosen["realtime"]:
+        options += ["--realtime", chosen["realtime"]]
+    law = [f"controller.law={chosen['controller']}"] if chosen["controller"] else []
+    for override in [*law, *shlex.split(chosen["set"])]:
+        options += ["--set", override]
+    return options
+
+
+def _on_exit(event: Event, context: LaunchContext) -> TimerAction | None:
+    if not isinstance(event, ProcessExited) or not event.returncode or context.is_shutdown:
+        return None
+
+    def fail(context: LaunchContext) -> None:
+        # Launch exits with 1 only when something raises; a Shutdown event leaves its exit code 0. Who fails later
+        # fails because of the first.
+        if not context.is_shutdown:
+            raise RuntimeError(f"{event.process_name} failed with exit code {event.returncode}")
+
+    return TimerAction(period=HEARING_SECONDS, actions=[OpaqueFunction(function=fail)], cancel_on_shutdown=False)

@@ -26,6 +26,7 @@ from space_robot_bringup.cli_app import (
     out,
     warn,
 )
+from space_robot_bringup.cli_see import NoBrowserOption, PortOption, show_log
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 if TYPE_CHECKING:
@@ -104,6 +105,9 @@ def run(
     ] = None,
     index: Annotated[int | None, typer.Option(help="of the case, with --from")] = None,
     as_json: JsonOption = False,
+    view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
+    port: PortOption = 8080,
+    no_browser: NoBrowserOption = False,
 ) -> None:
     """Fly an experiment, log it to a bag and print the verdict."""
     mode = mode or ("headless" if campaign_directory is None else "graph")
@@ -134,6 +138,8 @@ def run(
         if found is not None:
             said = f"not as in the campaign: {'; '.join(found)}" if found else "every number is the campaign's"
             out.print(said, style="red" if found else "green", markup=False, soft_wrap=True)
+    if view:
+        show_log(result.directory, port=port, open_browser=not no_browser)
     if found or not result.passed:
         raise typer.Exit(FAILED)
 

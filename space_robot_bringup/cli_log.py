@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import json
+import signal
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from space_robot_bringup.cli_app import FAILED, JsonOption, SetOption, app, err, out
+from space_robot_msgs_py.errors import SpecError
+
+if TYPE_CHECKING:
+    from space_robot_bringup.replay.comparison import Tolerance
+    from space_robot_bringup.replay.publish import PublishOrder
 
 
 @app.command()
@@ -31,15 +37,36 @@ def replay(
     update_refs: Annotated[
         bool, typer.Option("--update-refs", help="say what is different, then fly again and replace the bag")
     ] = False,
+    publish: Annotated[
+        bool, typer.Option("--publish", help="put the bag on the live graph in place of the simulator instead")
+    ] = False,
+    rate: Annotated[
+        float | None, typer.Option(help="with --publish: recorded seconds per second; default: wait for each command")
+    ] = None,
+    paused: Annotated[bool, typer.Option("--paused", help="with --publish: begin paused, for ~/step")] = False,
+    loop: Annotated[bool, typer.Option("--loop", help="with --publish: begin again after the end")] = False,
+    topics: Annotated[
+        list[str] | None, typer.Option("--topics", metavar="TOPIC", help="with --publish: only these; may repeat")
+    ] = None,
+    role: Annotated[
+        str, typer.Option("--as", help="with --publish: state (what a controller hears) or all (commands too)")
+    ] = "state",
     as_json: JsonOption = False,
 ) -> None:
-    """Compute a recorded run again and compare every number with the log."""
+    """Compute a recorded run again and compare every number with the log, or let a node of yours answer it."""
     from space_robot_bringup.replay import show
     from space_robot_bringup.replay.command import Order, replay
     from space_robot_bringup.replay.comparison import Tolerance
+    from space_robot_bringup.replay.publish import PublishOrder
     from space_robot_bringup.replay.references import refly
 
-    order = Order(against, Tolerance(rtol, atol, tuple(ignore or ())), set_ or (), experiment, namespace)
+    tolerance = Tolerance(rtol, atol, tuple(ignore or ()))
+    if publish:
+        _publish(bags, PublishOrder(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
+        return
+    if rate is not None or paused or loop or topics or role != "state":
+        raise SpecError("is for --publish", key="--rate, --paused, --loop, --topics, --as", accepted="with --publish")
+    order = Order(against, tolerance, set_ or (), experiment, namespace)
     done = []
     for bag in bags:
         one = replay(bag, order)
@@ -54,3 +81,59 @@ def replay(
         print(json.dumps(found[0] if len(found) == 1 else found, allow_nan=False))
     if not update_refs and not all(one.equal for one in done):
         raise typer.Exit(FAILED)
+
+
+def _publish(bags: list[Path], order: PublishOrder, tolerance: Tolerance) -> None:
+    """Let a node on the graph answer one bag; the end of what it answered decides the exit code."""
+    from space_robot_bringup.replay import show
+    from space_robot_bringup.replay.publish import Answers, open_broadcast
+    from space_robot_bringup.stopping import StopFlag
+
+    if len(bags) != 1:
+        raise SpecError("one bag at a time", key="--publish", value=len(bags), accepted="one bag")
+    try:
+        from space_robot_bringup.nodes import replayer
+    except ImportError as error:
+        accepted = "install space-robot[ros], or source a Jazzy"
+        raise SpecError(f"needs ROS 2 Jazzy ({error})", key="--publish", accepted=accepted) from None
+    broadcast = open_broadcast(bags[0], order.namespace)
+    answers = Answers(broadcast, tolerance)
+    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
+        reason = replayer.publish(broadcast, order, answers, lambda: stop.reason)
+    show.print_answers(out, answers, reason)
+    if answers.different or (reason != "completed" and stop.reason is None):
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def info(
+    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file, of any tool")],
+    as_json: JsonOption = False,
+) -> None:
+    """Say what is in a bag: topics, rates, gaps, provenance, damage, verdict."""
+    from space_robot_bringup.logs import show
+    from space_robot_bringup.logs.info import bag_info
+
+    found = bag_info(bag)
+    if as_json:
+        print(json.dumps(show.info_dict(found), allow_nan=False))
+    else:
+        show.print_info(out, found)
+
+
+@app.command()
+def recover(
+    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file that was cut or damaged")],
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="default BAG_recovered")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Make a clean, indexed bag of a cut or damaged one and say what was lost."""
+    from space_robot_bringup.logs import show
+    from space_robot_msgs_py.log_recover import recover
+
+    place = bag.resolve()
+    done = recover(bag, directory or place.with_name(f"{place.stem}_recovered"))
+    if as_json:
+        print(json.dumps(show.recovery_dict(done), allow_nan=False))
+    else:
+        show.print_recovery(out, done)

@@ -14,8 +14,8 @@ from space_robot_description.validation import validate
 
 ROLES = ("recorder", "guidance", "controller", "simulator")
 EPILOG = """\
-The same as ROS parameters, also from a file (--ros-args --params-file FILE): experiment, out, set, realtime, autostart,
-law, gains.<name> and every other key of the experiment, for instance
+The same as ROS parameters, also from a file (--ros-args --params-file FILE): experiment, out, set, record, realtime,
+autostart, law, gains.<name> and every other key of the experiment, for instance
 
   --ros-args -p law:=my_package.my_module:MyLaw -p gains.bandwidth:=0.4 -p duration:=20.0
 
@@ -29,6 +29,7 @@ class Start(Strict):
     experiment: str = Field(default="liu2023/fig08", description="shipped name or YAML file")
     out: str = Field(default="run", description="run directory, the recorder writes to it")
     set: tuple[str, ...] = Field(default=(), description="overrides key=value, the same at every node")
+    record: bool = Field(default=True, description="a recorder takes part, and the simulator waits for it")
     realtime: NonNegativeFloat = Field(default=0.0, description="simulated seconds per second; 0: lock-step")
     autostart: bool = Field(
         default=True, description="simulator and controller: configure and activate at once, or wait for ~/change_state"
@@ -50,6 +51,9 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--out", default=nothing, help=fields["out"].description)
     made.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="override one key; the same for every role"
+    )
+    made.add_argument(
+        "--no-record", dest="record", action="store_false", default=nothing, help="no recorder takes part: await none"
     )
     made.add_argument("--realtime", type=float, default=nothing, help=fields["realtime"].description)
     made.add_argument("--progress", action="store_true", help="print the tick that was reached, now and then")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
+from urllib.parse import unquote
 
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import InputFileError
@@ -87,10 +88,24 @@ def resource(uri: str, folder: Path) -> Path:
     return path
 
 
+def mesh_file(uri: str) -> Path | None:
+    """The file of a mesh in a composed URDF: ``file://`` or a path, or ``package://`` in a ROS package or a wheel."""
+    if uri.startswith("package://"):
+        inside = Path("share") / uri.removeprefix("package://")
+        candidates = [prefix / inside for prefix in [*_ament_prefixes(), *_wheel_prefixes()]]
+    else:
+        candidates = [Path(unquote(uri.removeprefix("file://")))]
+    return next((path for path in candidates if is_file(path)), None)
+
+
+def _wheel_prefixes() -> list[Path]:
+    """Where cmeel wheels unpack: beside the ordinary packages, so every import root is a candidate."""
+    return [prefix for entry in sys.path if (prefix := Path(entry) / "cmeel.prefix").is_dir()]
+
+
 def _in_wheel(uri: str) -> Path:
-    inside = Path("cmeel.prefix") / "share" / "example-robot-data" / "robots"
-    # cmeel wheels unpack into cmeel.prefix beside the ordinary packages, so every import root is a candidate.
-    roots = [root for entry in sys.path if (root := Path(entry) / inside).is_dir()]
+    inside = Path("share") / "example-robot-data" / "robots"
+    roots = [root for prefix in _wheel_prefixes() if (root := prefix / inside).is_dir()]
     if not roots:
         raise InputFileError(
             "the robots of the example-robot-data wheel are not installed",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
@@ -132,27 +132,19 @@ def _mcap_files(path: Path) -> tuple[Path, ...]:
         return (path,) if path.suffix == ".mcap" or not path.suffix else ()
     if not path.is_dir():
         raise InputFileError("no such bag", key=str(path), accepted="a bag directory or an .mcap file")
-    described = _description(path)
-    if described.get("compression_mode"):
-        return ()
-    listed = [path / str(name) for name in described.get("relative_file_paths") or ()]
-    files = listed if listed and all(file.is_file() for file in listed) else sorted(path.glob("*.mcap"), key=_natural)
+    files = sorted(path.glob("*.mcap"), key=_natural)
     if not files and not [*path.glob("*.db3"), *path.glob("*.zstd")]:
-        raise InputFileError("no bag in this directory", key=str(path), accepted="*.mcap, or what metadata.yaml lists")
-    return tuple(files) if all(file.suffix == ".mcap" for file in files) else ()
+        raise InputFileError("no bag in this directory", key=str(path), accepted="*.mcap, *.db3 or *.zstd")
+    return () if _is_compressed(path) else tuple(files)
 
 
-def _description(place: Path) -> dict[str, Any]:
-    """What ``metadata.yaml`` says; nothing where it is absent or unreadable, for the files say it too."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
-
+def _is_compressed(place: Path) -> bool:
+    """True if rosbag2 has compressed messages or files itself, which no record of the files tells."""
     try:
         text = (place / METADATA_FILE).read_text(encoding="utf-8")
-        data = YAML(typ="safe", pure=True).load(text)["rosbag2_bagfile_information"]
-        return data if isinstance(data, dict) else {}
-    except (OSError, UnicodeDecodeError, YAMLError, LookupError, TypeError, ValueError, RecursionError):
-        return {}
+    except (OSError, UnicodeDecodeError):
+        return False
+    return re.search(r"^\s*compression_mode:\s*['\"]?\w", text, re.MULTILINE) is not None
 
 
 def _natural(path: Path) -> list[int | str]:

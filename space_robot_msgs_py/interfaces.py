@@ -22,7 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_msgs_py.errors import CommandError, NonFiniteError
+from space_robot_msgs_py.errors import CommandError, LayoutError, NonFiniteError
 from space_robot_msgs_py.events import ControllerEvent
 
 Vector = npt.NDArray[np.float64]
@@ -178,7 +178,13 @@ class Telemetry:
         return cls(stamp, tuple(blocks), tuple(map(len, parts)), data)
 
     def __getitem__(self, label: str) -> Vector:
-        """The block of that name."""
+        """The block of that name.
+
+        Raises:
+            LayoutError: there is none.
+        """
+        if label not in self.labels:
+            raise LayoutError("no such block", key="telemetry", value=label, accepted=", ".join(self.labels))
         index = self.labels.index(label)
         start = sum(self.sizes[:index])
         return self.data[start : start + self.sizes[index]]

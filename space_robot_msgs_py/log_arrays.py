@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from space_robot_msgs_py.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec
 from space_robot_msgs_py.errors import LayoutError, LogError, NonFiniteError
-from space_robot_msgs_py.interfaces import NANOSECONDS, Vector
+from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry, Tick, Vector
 from space_robot_msgs_py.layout import Layout
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, Topic
 
@@ -94,6 +94,42 @@ def stack_ticks(rows: Sequence[Row], joint_names: Sequence[str], key: str) -> Lo
     )
 
 
+def arrays_of(ticks: Sequence[Tick]) -> LogArrays:
+    """Stack ticks that were never written; bit for bit what a log of them would give.
+
+    Args:
+        ticks: at least one.
+    """
+    states, references = [tick.sample.state for tick in ticks], [tick.reference for tick in ticks]
+    commands = [tick.output.command for tick in ticks]
+    stamp = np.array([state.stamp for state in states], dtype=np.int64)
+    return LogArrays(
+        stamp=stamp,
+        time=stamp / NANOSECONDS,
+        q=np.array([state.q for state in states]),
+        v=np.array([state.v for state in states]),
+        effort=np.array([state.effort for state in states]),
+        base_acceleration=np.array([state.base_acceleration for state in states]),
+        q_d=np.array([reference.q for reference in references]),
+        v_d=np.array([reference.v for reference in references]),
+        a_d=np.array([reference.a for reference in references]),
+        wrench=np.array([command.wrench for command in commands]),
+        effort_command=np.array([command.effort for command in commands]),
+        controller=_cut([tick.output.telemetry for tick in ticks]),
+        plant=_cut([tick.sample.telemetry for tick in ticks]),
+    )
+
+
+def _cut(telemetry: Sequence[Telemetry]) -> dict[str, Vector]:
+    data = np.array([one.data for one in telemetry])
+    return _blocks(telemetry[0].labels, telemetry[0].sizes, data)
+
+
+def _blocks(labels: Sequence[str], sizes: Sequence[int], data: Vector) -> dict[str, Vector]:
+    edges = np.cumsum((0, *sizes))
+    return {label: data[:, a:b] for label, a, b in zip(labels, edges[:-1], edges[1:], strict=True)}
+
+
 def _parts(codec: StateCodec | ReferenceCodec | CommandCodec) -> list[tuple[Topic, Layout]]:
     return list(zip(codec.topics, codec.layouts, strict=True))
 
@@ -117,5 +153,4 @@ def _stack_telemetry(rows: Sequence[Row], topic: Topic) -> dict[str, Vector]:
     codec = TelemetryCodec(topic)
     labels, sizes = codec.shape(present[0])
     (data,) = _stack(rows, topic, codec.layout_of(present[0]))
-    edges = np.cumsum((0, *sizes))
-    return {label: data[:, a:b] for label, a, b in zip(labels, edges[:-1], edges[1:], strict=True)}
+    return _blocks(labels, sizes, data)

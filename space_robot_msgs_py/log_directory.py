@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.log_preamble import RECORDED, log_name, signature
@@ -38,29 +40,60 @@ def prepare_directory(directory: Path) -> Path:
     return place / f"{place.name}{BAG_SUFFIX}"
 
 
-def write_metadata_yaml(path: Path, counts: Mapping[str, int], *, last_stamp: int, custom: Mapping[str, str]) -> None:
+@dataclass(frozen=True, slots=True)
+class BagTopic:
+    """What ``metadata.yaml`` says about a topic.
+
+    Attributes:
+        name: as in the bag.
+        type: ``package/msg/Name``.
+        count: of its messages.
+        qos: what was offered, as rosbag2 writes it.
+        type_hash: ``RIHS01_...``, or empty.
+    """
+
+    name: str
+    type: str
+    count: int
+    qos: tuple[Mapping[str, Any], ...] = ()
+    type_hash: str = ""
+
+
+def recorded_topics(counts: Mapping[str, int]) -> list[BagTopic]:
+    """The topics of a log of ours with the number of messages by topic name."""
+    return [
+        BagTopic(log_name(topic), topic.type, counts[topic.name], (qos_of(topic).as_rosbag2(),), type_hash(topic.type))
+        for topic in RECORDED
+    ]
+
+
+def write_metadata_yaml(
+    path: Path, topics: Sequence[BagTopic], *, last_stamp: int, custom: Mapping[str, str], first_stamp: int = 0
+) -> None:
     """Write ``metadata.yaml`` beside a bag file, version 9 as rosbag2 of Jazzy does.
 
     Args:
         path: the bag file.
-        counts: messages by topic name.
-        last_stamp: of the bag [ns]; it begins at 0.
+        topics: in it.
+        last_stamp: of the bag [ns].
         custom: remarks.
+        first_stamp: of the bag [ns].
     """
-    start, duration = {"nanoseconds_since_epoch": 0}, {"nanoseconds": last_stamp}
-    total = sum(counts.values())
-    topics = [
+    start = {"nanoseconds_since_epoch": first_stamp}
+    duration = {"nanoseconds": last_stamp - first_stamp}
+    total = sum(topic.count for topic in topics)
+    listed = [
         {
             "topic_metadata": {
-                "name": log_name(topic),
+                "name": topic.name,
                 "type": topic.type,
                 "serialization_format": "cdr",
-                "offered_qos_profiles": [qos_of(topic).as_rosbag2()],
-                "type_description_hash": type_hash(topic.type),
+                "offered_qos_profiles": [dict(offer) for offer in topic.qos],
+                "type_description_hash": topic.type_hash,
             },
-            "message_count": counts[topic.name],
+            "message_count": topic.count,
         }
-        for topic in RECORDED
+        for topic in topics
     ]
     information = {
         "version": 9,
@@ -68,7 +101,7 @@ def write_metadata_yaml(path: Path, counts: Mapping[str, int], *, last_stamp: in
         "duration": dict(duration),
         "starting_time": dict(start),
         "message_count": total,
-        "topics_with_message_count": topics,
+        "topics_with_message_count": listed,
         "compression_format": "",
         "compression_mode": "",
         "relative_file_paths": [path.name],
@@ -83,6 +116,25 @@ def write_metadata_yaml(path: Path, counts: Mapping[str, int], *, last_stamp: in
         stream.flush()
         os.fsync(stream.fileno())
     temporary.replace(target)
+
+
+def description(place: Path) -> dict[str, Any]:
+    """What ``metadata.yaml`` of a bag says; nothing where it is absent or unreadable, for the files say it too."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        text = (place / METADATA_FILE).read_text(encoding="utf-8")
+        data = YAML(typ="safe", pure=True).load(text)["rosbag2_bagfile_information"]
+        return data if isinstance(data, dict) else {}
+    except (OSError, UnicodeDecodeError, YAMLError, LookupError, TypeError, ValueError, RecursionError):
+        return {}
+
+
+def custom_data(path: Path) -> dict[str, str]:
+    """The remarks in the ``metadata.yaml`` beside a bag file, such as the mode; nothing where there are none."""
+    custom = description(path.parent).get("custom_data")
+    return {str(key): str(text) for key, text in custom.items()} if isinstance(custom, dict) else {}
 
 
 def _remove_previous(place: Path) -> None:

@@ -1,44 +1,104 @@
-"""Makes a log that was cut readable for every tool: with index and ``metadata.yaml``, and nothing else changed."""
+"""Makes a clean, indexed bag of one that was cut or damaged, and says what was lost."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
+from space_robot_msgs_py.bag import Bag, intact
 from space_robot_msgs_py.errors import LogError
-from space_robot_msgs_py.log_directory import TEMPORARY, write_metadata_yaml
-from space_robot_msgs_py.log_preamble import CHANNELS
+from space_robot_msgs_py.log_directory import METADATA_FILE, prepare_directory, write_metadata_yaml
+from space_robot_msgs_py.log_merge import BagMerger
 from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.mcap_index import write_indexed
+from space_robot_msgs_py.mcap_salvage import Damage
 
 CUT = "cut"
 
 
-def recover(path: Path | str) -> Path:
-    """Index the log of a killed run in its place; that of a closed one stays as good as it is.
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """A recovered bag.
+
+    Attributes:
+        path: the new bag file.
+        kept: messages by topic.
+        lost: messages by topic that are known to be missing; of what was behind a cut nothing is known.
+        nameless: messages left out because the file no longer says on which topic they were.
+        damage: of the old bag.
+        last_stamp: log time of the last message [ns].
+        end_reason: why the run ended; None: the bag does not say.
+        complaint: why it is no longer a log of ours, with its experiment; empty if it is one.
+    """
+
+    path: Path
+    kept: dict[str, int]
+    lost: dict[str, int]
+    nameless: int
+    damage: tuple[Damage, ...]
+    last_stamp: int
+    end_reason: str | None
+    complaint: str
+
+    @property
+    def whole(self) -> bool:
+        """Nothing was lost."""
+        return not (self.damage or self.lost or self.nameless)
+
+
+def recover(source: Path | str, target: Path) -> Recovery:
+    """Copy what can be read of a bag into a new one; the old one stays as it is.
+
+    Messages keep their bytes and times and are numbered anew, because readers take a gap in the numbers for damage.
 
     Args:
-        path: run directory or .mcap file.
-
-    Returns:
-        The .mcap file.
+        source: bag directory or .mcap file, of this project or of another tool.
+        target: the new bag directory.
 
     Raises:
-        InputFileError: there is no such log.
-        LogError: it is damaged other than by its end, or the disk refuses; the file is then as it was.
+        InputFileError: there is no such bag, or it is no MCAP.
+        LogError: no message can be recovered, or the target cannot be written; nothing is left of it then.
     """
-    reader = LogReader(path)
-    counts, last = dict.fromkeys(CHANNELS, 0), 0
-    for name, stamp, _ in reader.messages():
-        counts[name] += 1
-        last = stamp
-    temporary = reader.path.with_name(reader.path.name + TEMPORARY)
+    bag = Bag(source)
+    if any(file.resolve().parent == target.resolve() for file in bag.files):
+        raise LogError("is the place of the damaged bag", key=str(target), accepted="another directory")
+    merger = BagMerger(bag)
+    path = prepare_directory(target)
+    with _removed_on_failure(path):
+        merger.write(path)
+        if not sum(merger.kept.values()):
+            raise LogError("no message can be recovered", key=str(source))
+        reason, complaint = _reread(path, sum(merger.kept.values()))
+        custom = {"recovered_from": bag.files[0].name, "end_reason": reason or CUT}
+        span = {"first_stamp": merger.first, "last_stamp": merger.last}
+        write_metadata_yaml(path, merger.topics(), custom=custom, **span)
+    lost, damage = merger.lost(), tuple(merger.damage)
+    return Recovery(path, dict(merger.kept), lost, merger.nameless, damage, merger.last, reason, complaint)
+
+
+def _reread(path: Path, expected: int) -> tuple[str | None, str]:
+    """The reason of the end and why it is no log of ours; a result that cannot be read is an error, not a result."""
+    found = sum(1 for _ in intact(Bag(path).messages(), str(path)))
+    if found != expected:
+        raise LogError("the recovered bag does not read back", key=str(path), value=found, accepted=f"{expected}")
     try:
-        write_indexed(reader.path, temporary)
-        temporary.replace(reader.path)
-        write_metadata_yaml(reader.path, counts, last_stamp=last, custom={"end_reason": reader.end_reason or CUT})
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        if isinstance(error, LogError):
-            raise
-        raise LogError(f"the log cannot be recovered: {error.strerror or error}", key=str(reader.path)) from None
-    return reader.path
+        reader = LogReader(path)
+        for _ in reader.messages():
+            pass
+        return reader.end_reason, ""
+    except LogError as error:
+        return None, error.message
+
+
+@contextmanager
+def _removed_on_failure(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except BaseException as error:
+        path.unlink(missing_ok=True)
+        path.with_name(METADATA_FILE).unlink(missing_ok=True)
+        path.parent.rmdir()
+        if isinstance(error, OSError) and not isinstance(error, LogError):
+            raise LogError(f"cannot be recovered: {error.strerror or error}", key=str(path)) from None
+        raise

@@ -10,7 +10,7 @@ from typing import IO
 from space_robot_msgs_py.codecs import LOGGED, TickCodec, encode_string
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.interfaces import PlantSample, Reference, Tick
-from space_robot_msgs_py.log_directory import TEMPORARY, prepare_directory, write_metadata_yaml
+from space_robot_msgs_py.log_directory import TEMPORARY, prepare_directory, recorded_topics, write_metadata_yaml
 from space_robot_msgs_py.log_header import LogHeader
 from space_robot_msgs_py.log_preamble import CHANNELS, END_NAME, preamble
 from space_robot_msgs_py.mcap_index import write_indexed
@@ -113,7 +113,7 @@ class LogWriter:
             write_indexed(self.path, temporary)
             temporary.replace(self.path)
             custom = self._custom | {"end_reason": reason}
-            write_metadata_yaml(self.path, self._counts, last_stamp=max(self._last, 0), custom=custom)
+            write_metadata_yaml(self.path, recorded_topics(self._counts), last_stamp=max(self._last, 0), custom=custom)
 
     def _record(self, topic: Topic, stamp: int, data: bytes) -> bytes:
         sequence = self._counts[topic.name]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zlib
+from io import BytesIO
 
 import lz4.frame
 import zstandard
@@ -55,3 +56,17 @@ def _unpack_zstd(packed: bytes, size: int) -> bytes:
     if said not in (size, zstandard.CONTENTSIZE_UNKNOWN):
         raise zstandard.ZstdError(f"its frame says {said} bytes, its record {size}")
     return zstandard.decompress(packed, max_output_size=size)
+
+
+def unpack_beginning(chunk: Chunk) -> bytes:
+    """What can be unpacked of a chunk that was cut; nothing is checked, for its checksum is that of the whole."""
+    packed = chunk.data
+    most = min(chunk.uncompressed_size, max(MOST_UNPACKED, MOST_RATIO * len(packed)))
+    try:
+        if chunk.compression == "zstd":
+            return zstandard.ZstdDecompressor().stream_reader(BytesIO(packed)).read(most)
+        if chunk.compression == "lz4":
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=most))
+    except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
+        return b""
+    return bytes(packed) if chunk.compression == "" else b""

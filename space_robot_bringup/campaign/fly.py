@@ -10,13 +10,13 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any, Literal
 
-from space_robot_bringup import closed_loop
 from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import experiment_from
+from space_robot_bringup.memory_flight import fly_in_memory, write_bag
 from space_robot_bringup.run import judge_ticks
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Tick
-from space_robot_msgs_py.log_writer import LogSink, MemorySink
+from space_robot_msgs_py.log_writer import MemorySink
 
 Keep = Literal["failed", "all", "none"]
 
@@ -51,11 +51,11 @@ def fly_case(data: Mapping[str, Any], name: str, keep: Keep) -> Flown:
     """
     began = perf_counter()
     composition, trace = None, ""
-    # In memory: most runs are not kept, and writing them would take longer than flying them.
     sink = MemorySink()
     try:
         composition = compose(experiment_from(data, name))
-        columns = _columns(composition, _fly(composition, sink), sink.ticks)
+        sink = fly_in_memory(composition)
+        columns = _columns(composition, sink.end_reason or "", sink.ticks)
     except SpaceRobotError as error:
         columns = failure(f"error: {error}")
     except Exception as error:
@@ -63,11 +63,6 @@ def fly_case(data: Mapping[str, Any], name: str, keep: Keep) -> Flown:
     wanted = keep == "all" or (keep == "failed" and not columns["passed"])
     bag = _bag(composition, sink, name) if wanted and composition is not None else {}
     return Flown(columns, bag, trace, perf_counter() - began)
-
-
-def _fly(composition: Composition, sink: MemorySink) -> str:
-    plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
-    return closed_loop.run(plant, controller, reference, steps=composition.experiment.steps, sink=sink)
 
 
 def _columns(composition: Composition, reason: str, ticks: Sequence[Tick]) -> dict[str, Any]:
@@ -92,10 +87,5 @@ def _bag(composition: Composition, sink: MemorySink, name: str) -> dict[str, byt
     """The bag a headless run would have left, as bytes: the campaign's folder may be on another machine."""
     with TemporaryDirectory(prefix="space-robot-") as scratch:
         place = Path(scratch) / name
-        log = LogSink(place, composition.header, custom={"mode": "headless"})
-        for tick in sink.ticks:
-            log.record(tick)
-        if sink.unanswered is not None:
-            log.record_unanswered(*sink.unanswered)
-        log.close(sink.end_reason or "interrupted")
+        write_bag(sink, composition, place)
         return {path.name: path.read_bytes() for path in sorted(place.iterdir())}

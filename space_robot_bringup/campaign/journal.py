@@ -168,10 +168,19 @@ def finished_row(directory: Path, index: int) -> Row | None:
     Raises:
         LogError: the rows are damaged.
     """
+    return finished_rows(directory)[1].get(index)
+
+
+def finished_rows(directory: Path) -> tuple[dict[str, str], dict[int, Row]]:
+    """The versions a campaign is flown with, and its rows so far by index.
+
+    Raises:
+        LogError: the rows are damaged.
+    """
     path = directory / ROWS
     with guarded(path):
         text = path.read_text(encoding="utf-8") if path.is_file() else ""
-        return _parse(text, path)[1].get(index)
+        return _parse(text, path)
 
 
 def _read(stream: IO[str], directory: Path, versions: Mapping[str, str]) -> dict[int, Row]:

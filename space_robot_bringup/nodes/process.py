@@ -72,6 +72,7 @@ def _node(role: str, start: Start, composition: Composition, context: Context) -
         # The simulator's own is the one that may change in flight.
         rows=[row for row in parameter_rows(start) if row.name != REALTIME or role != "simulator"],
         overridable=True,
+        **({} if role != "simulator" else {"recorded": start.record}),
     )
     if start.autostart:
         bring_up([node])

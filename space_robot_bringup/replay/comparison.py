@@ -113,7 +113,7 @@ class Comparison:
 
     def event(self, topic: str, stamp: int, field: str, recorded: str, fresh: str) -> None:
         """Hold two texts against each other, such as the reason of an end."""
-        if recorded != fresh:
+        if recorded != fresh and topic not in self._ignored_topics:
             self._note((topic, field), Divergence(topic, stamp, field, recorded, fresh))
 
     def _look_closer(self, stamp: int, topic: Topic, was: bytes, now: bytes) -> None:

@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.outcome import Outcome, absent_topics
 from space_robot_bringup.replay.recording import Recording
-from space_robot_msgs_py.codecs import TickCodec
-from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.interfaces import Controller, Reference, ReferenceSource, RobotState
-from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_TELEMETRY, topics_of
+from space_robot_control.laws.base import Law
+from space_robot_msgs_py.codecs import TickCodec, decode_events
+from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
+from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
+from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, topics_of
 
 FAILED = "controller: "
 _ANSWERS = (*topics_of("command"), CONTROLLER_TELEMETRY)
@@ -29,6 +31,18 @@ def replay_controller(recording: Recording, tolerance: Tolerance) -> Outcome:
     return _Replay(recording, tolerance).run()
 
 
+def happen(law: Law, event: ControllerEvent) -> None:
+    """Change a law in flight as an event says it was.
+
+    Raises:
+        SpecError: the law cannot be changed so.
+    """
+    if event.kind == "parameters":
+        law.tune(event.content["values"])
+    else:
+        raise SpecError("no such change", key="controller/events", value=event.kind, accepted="parameters")
+
+
 class _Replay:
     def __init__(self, recording: Recording, tolerance: Tolerance) -> None:
         self._recording, self._tolerance = recording, tolerance
@@ -36,7 +50,7 @@ class _Replay:
         self._period = composition.experiment.period
         self._codec = TickCodec(composition.joint_names)
         self._comparison = Comparison(composition.joint_names, tolerance)
-        self._law: Controller = composition.controller()
+        self._law = composition.controller()
         self._source: ReferenceSource = composition.reference()
         self._notes: Counter[str] = Counter()
         self._ended = recording.end_reason or ""
@@ -73,6 +87,7 @@ class _Replay:
         except (KeyError, SpaceRobotError) as error:
             return f"the state at {stamp} ns cannot be used ({error}): not compared from there on"
         self._ticks += 1
+        self._happen(parts)
         answered = any(topic.name in parts for topic in topics_of("command"))
         try:
             output = self._law.update(state, reference)
@@ -84,7 +99,26 @@ class _Replay:
         command = zip(self._codec.command.topics, self._codec.command.encode(output.command), strict=True)
         telemetry = self._codec.controller_telemetry.encode(output.telemetry)[0]
         self._comparison.compare(stamp, parts, [*command, (CONTROLLER_TELEMETRY, telemetry)])
+        fresh = "; ".join(event.line for event in output.events)
+        recorded = "; ".join(event.line for event in self._events(parts))
+        self._comparison.event(CONTROLLER_EVENTS.name, stamp, "events", recorded, fresh)
         return ""
+
+    def _happen(self, parts: Mapping[str, bytes]) -> None:
+        """Do to the fresh law what was done to the recorded one in flight; it tells of it by itself."""
+        for event in self._events(parts):
+            try:
+                happen(self._law, event)
+            except SpaceRobotError as error:
+                self._notes[f"recorded changes in flight do not fit ({error})"] += 1
+
+    def _events(self, parts: Mapping[str, bytes]) -> tuple[ControllerEvent, ...]:
+        raw = parts.get(CONTROLLER_EVENTS.name)
+        try:
+            return () if raw is None else decode_events(raw)
+        except SpaceRobotError as error:
+            self._notes[f"recorded events cannot be read ({error})"] += 1
+            return ()
 
     def _inputs(self, stamp: int, parts: Mapping[str, bytes]) -> tuple[RobotState, Reference]:
         state = self._codec.state.decode([parts[topic.name] for topic in self._codec.state.topics])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,10 @@ from space_robot_bringup.replay.foreign import foreign_rows
 from space_robot_description.validation import parse_yaml, parse_yaml_text
 from space_robot_msgs_py.bag import Bag
 from space_robot_msgs_py.errors import LogError, SpecError
+from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log_arrays import Row
 from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.topics import BASE_ODOM
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -63,6 +66,7 @@ def open_recording(
         data = located(parse_yaml(where), where.parent)
         composition, changes = _composed(data, experiment, overrides)
         rows, remarks = foreign_rows(bag, composition.joint_names, namespace)
+        _check_period(rows, composition)
         return Recording(path, composition, lambda: iter(rows), None, changes, {}, tuple(remarks), foreign=True)
     try:
         reader = LogReader(path)
@@ -73,6 +77,7 @@ def open_recording(
     composition, changes = _composed(data, str(path), overrides)
     if composition.joint_names != reader.header.joint_names and not any(key.startswith("robot") for key in changes):
         raise SpecError("other joints than its experiment", key=str(path), value=reader.header.joint_names)
+    _check_period(reader.stamps(), composition)
     recorded, here = reader.header.versions, versions()
     different = {
         name: (recorded.get(name, "absent"), here.get(name, "absent"))
@@ -80,6 +85,16 @@ def open_recording(
         if recorded.get(name) != here.get(name)
     }
     return Recording(path, composition, reader.stamps, reader.end_reason, changes, different)
+
+
+def _check_period(rows: Iterable[Row], composition: Composition) -> None:
+    """With another period than the recorded one there is nothing to compare, whatever the law."""
+    stamps = [stamp for stamp, parts in rows if BASE_ODOM.name in parts]
+    period = composition.experiment.period
+    recorded = min((later - earlier for earlier, later in pairwise(stamps)), default=period)
+    if recorded != period:
+        accepted = f"{recorded / NANOSECONDS:g} s, which is what was recorded"
+        raise SpecError("not that of the bag", key="control_period", value=period / NANOSECONDS, accepted=accepted)
 
 
 def _composed(

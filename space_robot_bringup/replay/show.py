@@ -11,8 +11,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from space_robot_bringup.replay.command import Replayed
-from space_robot_bringup.replay.comparison import Divergence, Value
+from space_robot_bringup.replay.comparison import Comparison, Divergence, Value
 from space_robot_bringup.replay.outcome import Outcome
+from space_robot_bringup.replay.publish import Answers
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
 
@@ -43,7 +44,23 @@ def _side(console: Console, outcome: Outcome) -> None:
         _say(console, f"  not in the log, so not compared: {', '.join(outcome.absent)}")
     if outcome.first is not None:
         _say(console, f"  first: {_in_words(outcome.first)}")
-        console.print(_worst(outcome))
+        console.print(_worst(outcome.comparison))
+
+
+def print_answers(console: Console, answers: Answers, reason: str) -> None:
+    """Print how a run on the live graph ended and how the answers to it differ from the recorded commands."""
+    comparison = answers.comparison
+    _say(console, f"ended: {reason}")
+    if answers.unusable:
+        _say(console, f"{answers.unusable} answers were no valid commands", "red")
+    if not comparison.compared:
+        _say(console, "no recorded command was answered, so nothing was compared")
+        return
+    word, style = ("DIFFERENT", "bold red") if answers.different else ("EQUAL", "bold green")
+    _say(console, f"answers: {word}, {sum(comparison.compared.values())} messages", style)
+    if comparison.first is not None:
+        _say(console, f"  first: {_in_words(comparison.first)}")
+        console.print(_worst(comparison))
 
 
 def _in_words(found: Divergence) -> str:
@@ -55,14 +72,14 @@ def _text(value: Value) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def _worst(outcome: Outcome) -> Table:
+def _worst(comparison: Comparison) -> Table:
     table = Table(box=SIMPLE_HEAD)
     for heading in ("topic", "worst field", "at [s]", "recorded", "fresh", "difference", "messages"):
         table.add_column(heading, justify="left" if heading in ("topic", "worst field") else "right")
-    for place, found in outcome.comparison.worst.items():
+    for place, found in comparison.worst.items():
         values = [f"{value:.9g}" if isinstance(value, float) else str(value) for value in (found.recorded, found.fresh)]
         distance = f"{found.distance:.2e}" if isfinite(found.distance) else "-"
-        count = str(outcome.comparison.differing[place])
+        count = str(comparison.differing[place])
         cells = (found.topic, found.field, f"{found.stamp / NANOSECONDS:g}", *values, distance, count)
         table.add_row(*map(escape, cells))
     return table

@@ -5,8 +5,7 @@ from __future__ import annotations
 import base64
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
+from space_robot_bringup.report.html import environment
 from space_robot_bringup.reproduce.show import count, heading, sample
 from space_robot_bringup.reproduce.summary import Data
 
@@ -20,18 +19,12 @@ def page(data: Data, folder: Path) -> str:
         data: see ``summary``.
         folder: where its pictures are; they become part of the page.
     """
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    templates = environment()
     pictures = {
         figure["name"]: base64.b64encode((folder / figure["picture"]).read_bytes()).decode()
         for figure in data["figures"]
         if figure["picture"]
     }
     filters = {"digits": lambda value, digits: f"{value:.{digits}g}", "heading": heading, "sample": sample}
-    environment.filters.update(filters)
-    return environment.get_template(TEMPLATE).render(paper=data, pictures=pictures, count=count(data))
+    templates.filters.update(filters)
+    return templates.get_template(TEMPLATE).render(paper=data, pictures=pictures, count=count(data))

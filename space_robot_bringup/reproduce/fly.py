@@ -1,8 +1,7 @@
-"""One run in a worker: fly, log, judge, and bring back only the numbers that were asked for."""
+"""One run in a worker: fly, judge, and bring back only the numbers that were asked for."""
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -11,14 +10,16 @@ import numpy as np
 
 from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.memory_flight import fly_in_memory, write_bag
 from space_robot_bringup.reproduce.measures import Flight, take
 from space_robot_bringup.reproduce.numbers import Quantity
 from space_robot_bringup.reproduce.signals import Signals
 from space_robot_bringup.reproduce.workers import stop_reason
-from space_robot_bringup.run import Hooks, RunResult, run_composition
+from space_robot_bringup.run import Hooks, judge_ticks
 from space_robot_bringup.verdict import PLANT_BOUNDS
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log_arrays import arrays_of
+from space_robot_msgs_py.log_writer import MemorySink
 
 # A picture is about this many dots wide; curves of longer runs are drawn by every k-th tick.
 DRAWN_TICKS = 2000
@@ -52,36 +53,37 @@ def fly(job: Job) -> Flight:
     Raises:
         SpaceRobotError: the log cannot be written.
     """
-    warnings: list[str] = []
-    hooks = Hooks(stop=stop_reason, warn=warnings.append)
     try:
         composition = compose(load_experiment(job.argument, job.overrides))
     except SpaceRobotError as error:
         # A draw of a campaign; all else was composed before.
         return Flight(f"cannot be flown: {error}")
+    warnings = composition.review().warnings
+    sink = fly_in_memory(composition, Hooks(stop=stop_reason))
     try:
-        result = run_composition(composition, job.directory, mode="headless", hooks=hooks)
-        flight = _look(job, composition, result)
+        flight = _look(job, composition, sink)
     except NonFiniteError as error:
-        # The log is complete, but its numbers overflow when they are judged.
+        # It was flown, but its numbers overflow when they are judged.
         flight = Flight(str(error))
     keep = job.keep == "all" or (job.keep == "failed" and not flight.completed)
-    if not keep:
-        shutil.rmtree(job.directory)
-    return replace(flight, warnings=tuple(warnings), bag=keep)
+    if keep:
+        write_bag(sink, composition, job.directory)
+    return replace(flight, warnings=warnings, bag=keep)
 
 
-def _look(job: Job, composition: Composition, result: RunResult) -> Flight:
-    if result.metrics is None:
-        return Flight(result.end_reason)
-    arrays = LogReader(job.directory).arrays()
+def _look(job: Job, composition: Composition, sink: MemorySink) -> Flight:
+    reason = sink.end_reason or ""
+    metrics, checks = judge_ticks(sink.ticks, composition, reason)
+    if metrics is None:
+        return Flight(reason)
+    arrays = arrays_of(sink.ticks)
     signals = Signals(arrays, composition)
     stride = max(1, arrays.time.size // DRAWN_TICKS)
     drawn = np.unique(np.append(np.arange(0, arrays.time.size, stride), arrays.time.size - 1))
     return Flight(
-        end_reason=result.end_reason,
-        broken=tuple(check.name for check in result.checks if check.name in PLANT_BOUNDS and not check.passed),
-        metrics=result.metrics.flat(),
+        end_reason=reason,
+        broken=tuple(check.name for check in checks if check.name in PLANT_BOUNDS and not check.passed),
+        metrics=metrics.flat(),
         largest=_largest(signals),
         taken={asked: take(asked, arrays.time, signals.of(asked.signal)) for asked in job.quantities},
         time=arrays.time[drawn],

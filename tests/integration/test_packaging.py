@@ -25,7 +25,8 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
 def test_the_wheel_holds_every_module_and_every_config_file(wheel: zipfile.ZipFile) -> None:
     """A file added to the tree is not forgotten in the installation."""
     held = set(wheel.namelist())
-    files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.suffix in (".py", ".j2"))
+    kinds = (".py", ".j2", ".js", ".css")
+    files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.suffix in kinds)
     modules = {path.relative_to(ROOT).as_posix() for path in files}
     config = {
         f"{DATA}/{SHARE}/{path.relative_to(ROOT).as_posix()}" for path in (ROOT / "config").rglob("*") if path.is_file()

@@ -1,5 +1,6 @@
 import io
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,12 +11,15 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 from ruamel.yaml import YAML
 
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.memory_flight import fly_in_memory, write_bag
 from space_robot_msgs_py.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
+from space_robot_msgs_py.log_arrays import LogArrays, arrays_of
 from space_robot_msgs_py.log_preamble import log_name
 from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_recover import recover
 from space_robot_msgs_py.log_writer import LogSink, LogWriter
 from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, scan
 from space_robot_msgs_py.topics import JOINT_COMMAND
@@ -150,24 +154,6 @@ def test_damage_is_noticed_or_harmless(run, tmp_path, part):
     ticks, refusal = _attempt(path)
     assert _beginning(ticks)
     assert "\n" not in (refusal or "")
-
-
-@pytest.mark.parametrize("part", [5, 8, 10])
-@pytest.mark.parametrize("closed", [False, True])
-def test_recovered_logs_open_everywhere(run, killed, tmp_path, part, closed):
-    """A cut log, plain or indexed, gets index and metadata, keeps its ticks, and rosbags opens it as a bag."""
-    data = (run / "run_0.mcap").read_bytes() if closed else killed
-    place = tmp_path / "cut"
-    place.mkdir()
-    (place / "cut_0.mcap").write_bytes(data[: len(data) * part // 10 - (0 if closed else 3)])
-    before = [values.bits(tick) for tick in LogReader(place).ticks()]
-    path = recover(place)
-    assert [values.bits(tick) for tick in LogReader(path).ticks()] == before
-    with AnyReader([place]) as reader:
-        assert sum(1 for _ in reader.messages()) == reader.message_count == sum(1 for _ in LogReader(place).messages())
-    first = path.read_bytes()
-    assert recover(path).read_bytes() == first
-    assert "end_reason: " in (place / "metadata.yaml").read_text()
 
 
 def test_a_missing_message_is_noticed(killed, tmp_path):
@@ -323,3 +309,16 @@ def test_nothing_of_this_machine_is_in_the_file(killed):
             _, _, log_time, publish_time = MESSAGE.unpack_from(content)
             times |= {log_time, publish_time}
     assert times == {k * values.PERIOD for k in range(COUNT)}
+
+
+def test_ticks_in_memory_stack_like_a_log_of_them(tmp_path: Path) -> None:
+    """``arrays_of`` gives the arrays that the log of the same ticks gives, bit for bit."""
+    composition = compose(load_experiment("liu2023/fig08", ("duration=1.0",)))
+    sink = fly_in_memory(composition)
+    write_bag(sink, composition, tmp_path / "run")
+    logged, stacked = LogReader(tmp_path / "run").arrays(), arrays_of(sink.ticks)
+    for field in fields(LogArrays):
+        ours, theirs = getattr(stacked, field.name), getattr(logged, field.name)
+        pairs = [(ours[label], theirs[label]) for label in theirs] if isinstance(theirs, dict) else [(ours, theirs)]
+        for a, b in pairs:
+            np.testing.assert_array_equal(a, b)

@@ -1,0 +1,105 @@
+"""For a run of a paper: the figures of its manifest this run belongs to, their curves and the paper's claims."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from space_robot_bringup.experiment import Experiment, experiment_path
+from space_robot_bringup.judged import JudgedLog
+from space_robot_bringup.report.curves import PALETTE
+from space_robot_bringup.report.plots import Plot, Steps, Trace
+from space_robot_bringup.reproduce.plan import manifest_path, read_manifest
+from space_robot_bringup.reproduce.show import heading
+from space_robot_bringup.reproduce.signals import Signals
+from space_robot_bringup.reproduce.spec import Claim, Figure, Manifest, Panel
+from space_robot_description.share import is_file, shipped
+from space_robot_description.validation import parse_yaml
+from space_robot_msgs_py.errors import SpaceRobotError
+
+
+@dataclass(frozen=True, slots=True)
+class PaperFigure:
+    """One figure.
+
+    Attributes:
+        heading: number and title.
+        citation: of the paper.
+        caption: of the manifest.
+        plots: its panels with the curves of this run.
+        claims: of the paper, with the documented verdicts.
+        command: that flies the whole figure and judges it.
+    """
+
+    heading: str
+    citation: str
+    caption: str
+    plots: tuple[Plot, ...]
+    claims: tuple[Claim, ...]
+    command: str
+
+
+def paper_figures(judged: JudgedLog) -> list[PaperFigure]:
+    """The figures a run belongs to, those its ``source`` names before all others; none for a run of no paper."""
+    experiment, composition = judged.experiment, judged.composition
+    if experiment is None or composition is None or not experiment.source:
+        return []
+    if "true_configuration" not in judged.arrays.plant:
+        return []
+    found = list(_belonging(experiment))
+    named = [one for one in found if re.search(rf"(?<![\w.-]){re.escape(one[2])}(?![\w-])", experiment.source)]
+    signals = Signals(judged.arrays, composition)
+    return [
+        PaperFigure(
+            heading=heading({"name": name, "kind": figure.kind, "title": figure.title}),
+            citation=manifest.citation,
+            caption=figure.caption,
+            plots=tuple(plot for panel in figure.panels if (plot := _plot(panel, signals)) is not None),
+            claims=figure.claims,
+            command=shlex.join(["space-robot", "reproduce", paper, "--figure", name]),
+        )
+        for paper, manifest, name, figure in named or found
+    ]
+
+
+def _belonging(experiment: Experiment) -> Iterator[tuple[str, Manifest, str, Figure]]:
+    """Shipped figures that fly an experiment of this title and source."""
+    identity = (experiment.title, experiment.source)
+    for paper in shipped("papers"):
+        path = manifest_path(paper)
+        manifest = read_manifest(path, paper)
+        files = {group.experiment for figure in manifest.figures.values() for group in figure.runs.values()}
+        ours = {name for name in files if name and _identity(name, path.parent) == identity}
+        for name, figure in manifest.figures.items():
+            if ours & {group.experiment for group in figure.runs.values()}:
+                yield paper, manifest, name, figure
+
+
+def _identity(name: str, folder: Path) -> tuple[Any, Any] | None:
+    try:
+        path = folder / name
+        data = parse_yaml(path if is_file(path) else experiment_path(name))
+    except SpaceRobotError:
+        return None
+    return data.get("title", ""), data.get("source", "")
+
+
+def _plot(panel: Panel, signals: Signals) -> Plot | None:
+    """A panel with the curves of one run; None where the run has none of its signals."""
+    time, traces = signals.arrays.time, []
+    inside = (time >= panel.after) & (time <= (panel.before or float("inf")))
+    for index, signal in enumerate(panel.signals):
+        try:
+            values = signals.of(signal)
+        except (KeyError, IndexError, ValueError):
+            continue
+        given = signal.endswith(".reference") or signal.startswith("truth/")
+        color, name = "#000000" if given else PALETTE[index % len(PALETTE)], panel.legend.get(signal, signal)
+        steps: Steps | None = "after" if signal.startswith("command.") else None
+        traces.append(Trace(name, time[inside], values[inside], color, "dot" if given else "solid", steps))
+    title = panel.label or ", ".join(panel.signals)
+    return Plot(title, traces, log=panel.y_scale == "log") if traces else None

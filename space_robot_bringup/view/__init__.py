@@ -1,0 +1,1 @@
+"""A run in the browser, live from a log; the only importer of viser."""

@@ -1,0 +1,165 @@
+"""Copies the readable records of a bag, which may be several files, into one indexed file."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from mcap.opcode import Opcode
+from mcap.records import Channel, Header, Metadata, Schema, Statistics
+
+from space_robot_msgs_py.bag import Bag, Channels
+from space_robot_msgs_py.log_directory import BagTopic
+from space_robot_msgs_py.log_header import METADATA_NAME
+from space_robot_msgs_py.log_preamble import LIBRARY
+from space_robot_msgs_py.mcap_index import IndexedWriter
+from space_robot_msgs_py.mcap_records import MESSAGE, PREFIX, parse, record_bytes
+from space_robot_msgs_py.mcap_salvage import Damage, Record, salvage
+
+# What rosbag2 keeps of its own metadata in a file speaks of the file as it was.
+STALE = "rosbag2"
+HASH, OFFERS = "topic_type_hash", "offered_qos_profiles"
+
+
+class BagMerger:
+    """Reads a bag twice: first what its channels are, which a damaged file may say late, then everything else.
+
+    Args:
+        bag: of MCAP files.
+
+    Attributes:
+        kept: messages by topic that were written.
+        nameless: messages whose channel is lost.
+        damage: of the bag.
+        first: log time of the first message [ns].
+        last: log time of the last message [ns].
+    """
+
+    def __init__(self, bag: Bag) -> None:
+        self._bag = bag
+        self.kept: Counter[str] = Counter()
+        self.nameless = 0
+        self.damage: list[Damage] = []
+        self.first = self.last = 0
+        self._missing: Counter[str] = Counter()
+        self._counted: Counter[str] = Counter()
+        self._header = Header("ros2", "")
+        self._channels: dict[str, tuple[Channel, Schema]] = {}
+        self._numbers: dict[str, int] = {}
+        self._by_file: dict[Path, Channels] = {}
+        for file in bag.files:
+            self._learn(file)
+
+    def write(self, path: Path) -> None:
+        """Write the new file; it is on the disk when this returns."""
+        with path.open("wb") as stream:
+            writer = IndexedWriter(stream, str(path))
+            _add(writer, record_bytes(self._header))
+            announced = False
+            for file in self._bag.files:
+                expected: dict[int, int] = {}
+                for item in salvage(file):
+                    if isinstance(item, Damage):
+                        self.damage.append(item)
+                    elif item.opcode == Opcode.MESSAGE:
+                        if not announced:
+                            self._announce(writer)
+                            announced = True
+                        self._copy(writer, file, item, expected)
+                    elif self._is_kept(item, file):
+                        writer.add(item.opcode, item.content)
+            writer.finish()
+            stream.flush()
+            os.fsync(stream.fileno())
+
+    def topics(self) -> list[BagTopic]:
+        """What ``metadata.yaml`` says of the new bag."""
+        return [
+            BagTopic(topic, schema.name, self.kept[topic], _offers(said.get(OFFERS, "")), said.get(HASH, ""))
+            for topic, (said, schema) in ((t, (c.metadata, s)) for t, (c, s) in self._channels.items())
+        ]
+
+    def lost(self) -> dict[str, int]:
+        """Messages by topic that are known to be missing, from the old statistics or from gaps in the numbers."""
+        known = {topic: count - self.kept[topic] for topic, count in self._counted.items()}
+        return {topic: count for topic, count in (self._missing | known).items() if count > 0}
+
+    def _learn(self, file: Path) -> None:
+        channels = self._by_file[file] = Channels(str(file))
+        statistics: Statistics | None = None
+        headed = False
+        for item in salvage(file):
+            if isinstance(item, Damage) or item.opcode == Opcode.MESSAGE:
+                continue
+            channels.take(item)
+            if item.opcode == Opcode.HEADER and not headed:
+                headed, self._header = True, parse(Header.read, item.content, str(file))
+            elif item.opcode == Opcode.METADATA and not headed:
+                # The first record may be the one that is damaged.
+                headed = parse(Metadata.read, item.content, str(file)).name == METADATA_NAME
+                self._header = Header("ros2", LIBRARY) if headed else self._header
+            elif item.opcode == Opcode.STATISTICS:
+                statistics = parse(Statistics.read, item.content, str(file))
+        for number, channel in channels.channels.items():
+            schema = channels.schemas.get(channel.schema_id)
+            if schema is not None:
+                self._channels.setdefault(channel.topic, (channel, schema))
+            if statistics is not None:
+                self._counted[channel.topic] += statistics.channel_message_counts.get(number, 0)
+
+    def _announce(self, writer: IndexedWriter) -> None:
+        """All schemas and channels, numbered anew: files of one bag may have numbers of their own."""
+        schemas: dict[tuple[str, bytes], int] = {}
+        for _, schema in self._channels.values():
+            if (schema.name, schema.data) not in schemas:
+                number = schemas[schema.name, schema.data] = len(schemas) + 1
+                _add(writer, record_bytes(Schema(number, schema.data, schema.encoding, schema.name)))
+        for topic, (channel, schema) in self._channels.items():
+            number = self._numbers[topic] = len(self._numbers) + 1
+            of = schemas[schema.name, schema.data]
+            _add(writer, record_bytes(Channel(number, topic, channel.message_encoding, channel.metadata, of)))
+
+    def _copy(self, writer: IndexedWriter, file: Path, record: Record, expected: dict[int, int]) -> None:
+        channel, sequence, time, published = MESSAGE.unpack_from(record.content)
+        topic = self._by_file[file].name(channel)[0]
+        number = self._numbers.get(topic)
+        if number is None:
+            self.nameless += 1
+            return
+        # Other tools may begin anywhere; whoever numbers nothing has no gaps.
+        before = expected.get(channel, 0 if self._header.library == LIBRARY else sequence)
+        self._missing[topic] += max(0, sequence - before)
+        expected[channel] = sequence + 1
+        head = MESSAGE.pack(number, self.kept[topic], time, published)
+        writer.add(Opcode.MESSAGE, head + record.content[MESSAGE.size :])
+        if not self.kept:
+            self.first = time
+        self.kept[topic] += 1
+        self.last = max(self.last, time)
+
+    def _is_kept(self, record: Record, file: Path) -> bool:
+        if record.opcode == Opcode.METADATA:
+            return bool(parse(Metadata.read, record.content, str(file)).name != STALE)
+        return record.opcode == Opcode.ATTACHMENT
+
+
+def _add(writer: IndexedWriter, record: bytes) -> None:
+    opcode, _ = PREFIX.unpack_from(record)
+    writer.add(opcode, record[PREFIX.size :])
+
+
+@cache
+def _offers(text: str) -> tuple[Mapping[str, Any], ...]:
+    """The offered quality of service that a channel carries as YAML; none where it is unreadable."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        offers = YAML(typ="safe", pure=True).load(text)
+    except (YAMLError, ValueError, RecursionError):
+        return ()
+    return tuple(offer for offer in offers if isinstance(offer, dict)) if isinstance(offers, list) else ()

@@ -1,0 +1,30 @@
+"""Follow a run of other processes through the log that grows."""
+
+from __future__ import annotations
+
+import contextlib
+import subprocess
+from pathlib import Path
+from time import monotonic
+
+from space_robot_msgs_py.errors import InputFileError
+from space_robot_msgs_py.log_reader import LogReader
+
+POLL_SECONDS = 0.2
+
+
+def ticks_in(run: Path) -> int:
+    """Complete ticks in a log; 0 where there is none yet."""
+    with contextlib.suppress(InputFileError):
+        return sum(1 for _ in LogReader(run).ticks())
+    return 0
+
+
+def await_ticks(run: Path, count: int, child: subprocess.Popen[str], seconds: float) -> None:
+    """Wait until the log holds so many ticks; the child whose run it is must go on."""
+    deadline = monotonic() + seconds
+    while (seen := ticks_in(run)) < count:
+        assert monotonic() < deadline, f"waited {seconds} s for {count} ticks in {run}, saw {seen}"
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            child.wait(POLL_SECONDS)
+            raise AssertionError(f"ended with {child.returncode} after {seen} ticks: {child.communicate()[0]}")

@@ -1,0 +1,168 @@
+"""What a person sees: the page of a run and the viewer, in a headless Chromium, with play clicked."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import numpy as np
+import pytest
+
+playwright = pytest.importorskip("playwright.sync_api")
+image = pytest.importorskip("PIL.Image")
+pytest.importorskip("viser")
+
+from space_robot_bringup.experiment import load_experiment  # noqa: E402
+from space_robot_bringup.report.log_report import write_log_report  # noqa: E402
+from space_robot_bringup.run import run_experiment  # noqa: E402
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.slow,
+    pytest.mark.xdist_group("browser"),
+    pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine"),
+]
+
+# Software rendering: the machine of a test has no graphics card.
+ARGUMENTS = (
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+)
+DEADLINE = 120.0
+MOVED = 300
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("bags") / "fig08"
+    run_experiment(load_experiment("liu2023/fig08"), directory, mode="headless")
+    return directory
+
+
+@pytest.fixture
+def browser() -> Iterator[Any]:
+    """A Chromium of its own, with a profile of its own; an error of a script fails the test."""
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=list(ARGUMENTS))
+        errors: list[str] = []
+        page = chromium.new_page(viewport={"width": 900, "height": 620})
+        page.set_default_timeout(1000.0 * DEADLINE)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        try:
+            yield page
+        finally:
+            chromium.close()
+    assert errors == []
+
+
+def pixels(shown: Any) -> np.ndarray:
+    """A screenshot as numbers."""
+    return np.asarray(image.open(BytesIO(shown.screenshot())).convert("RGB")).astype(int)
+
+
+def moved(first: np.ndarray, second: np.ndarray) -> int:
+    """How many pixels are plainly another color."""
+    return int((np.abs(first - second).max(axis=2) > 40).sum())
+
+
+def eventually(holds: Callable[[], bool], page: Any, what: str) -> None:
+    """Wait until it holds."""
+    deadline = monotonic() + DEADLINE
+    while not holds():
+        assert monotonic() < deadline, f"waited in vain for {what}"
+        page.wait_for_timeout(100)
+
+
+def still(shown: Any, page: Any) -> np.ndarray:
+    """A screenshot of what no longer changes by itself."""
+    last = [pixels(shown)]
+
+    def settled() -> bool:
+        page.wait_for_timeout(500)
+        last.append(pixels(shown))
+        return moved(last[-2], last[-1]) == 0 and len(np.unique(last[-1].reshape(-1, 3), axis=0)) > 50
+
+    eventually(settled, page, "a still picture")
+    return last[-1]
+
+
+def test_the_page_of_a_run_plays(bag: Path, tmp_path: Path, browser: Any) -> None:
+    """On the page of a log, play moves robot, slider and clock, pause stops them, and plots follow the time."""
+    out = tmp_path / "page.html"
+    write_log_report(bag, out)
+    browser.goto(out.as_uri())
+    canvas = browser.locator("#view")
+    before = still(canvas, browser)
+    browser.locator("#speed").select_option("2")
+    browser.locator("#play").click()
+    eventually(lambda: float(browser.locator("#clock").inner_text().split()[0]) > 3.0, browser, "3 s of playback")
+    browser.locator("#play").click()
+    after = still(canvas, browser)
+    assert moved(before, after) > MOVED
+    assert browser.locator("#play").inner_text() == "Play"
+    assert float(browser.locator("#slider").input_value()) > 3.0
+    browser.get_by_role("heading", name="Base attitude [deg]", exact=True).scroll_into_view_if_needed()
+    eventually(lambda: browser.locator(".plot .main-svg").count() > 2, browser, "plots")
+
+
+def test_a_click_into_a_plot_goes_to_its_time(bag: Path, tmp_path: Path, browser: Any) -> None:
+    """The playback jumps to the time that was clicked in a plot."""
+    out = tmp_path / "page.html"
+    write_log_report(bag, out)
+    browser.goto(out.as_uri())
+    plot = browser.locator(".plot").nth(3)
+    plot.scroll_into_view_if_needed()
+    eventually(lambda: plot.locator(".nsewdrag").count() > 0, browser, "a plot")
+    plot.locator(".nsewdrag").first.click(position={"x": 300, "y": 100})
+    eventually(lambda: float(browser.locator("#slider").input_value()) > 5.0, browser, "the time of the click")
+
+
+@contextmanager
+def viewer(bag: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    """``space-robot view`` and its address."""
+    command = [sys.executable, "-m", "space_robot_bringup", "view", str(bag), "--no-browser", "--port", "18231"]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert child.stdout is not None
+        found = re.search(r"http://localhost:\d+", child.stdout.readline())
+        assert found is not None, child.stderr.read() if child.stderr else ""
+        yield found.group(), child
+    finally:
+        child.kill()
+        child.wait()
+
+
+def test_the_viewer_plays_and_ends_cleanly(bag: Path, browser: Any) -> None:
+    """In the viewer, play moves the robot and the slider; Ctrl-C ends it with exit 0 and no word on stderr."""
+    with viewer(bag) as (address, child):
+        browser.goto(address)
+        button = browser.get_by_role("button", name="Play")
+        button.wait_for()
+        canvas = browser.locator("canvas").first
+        before = still(canvas, browser)
+        # Forced: drawn in software, the page is too busy to be found at rest.
+        button.click(force=True)
+        time = browser.locator("input[type=text]").first
+        eventually(lambda: float(time.input_value()) > 2.0, browser, "2 s of playback")
+        assert moved(before, pixels(canvas)) > MOVED
+        browser.get_by_role("button", name="Pause").click(force=True)
+        browser.get_by_role("button", name="Play").wait_for()
+        child.send_signal(signal.SIGINT)
+        out, err = child.communicate(timeout=DEADLINE)
+    assert (child.returncode, out, err) == (0, "", "")
