@@ -9,6 +9,7 @@ from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.outcome import Outcome, absent_topics
 from space_robot_bringup.replay.recording import Recording
 from space_robot_control.laws.base import Law
+from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.codecs import TickCodec, decode_events
 from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
 from space_robot_msgs_py.events import ControllerEvent
@@ -39,8 +40,11 @@ def happen(law: Law, event: ControllerEvent) -> None:
     """
     if event.kind == "parameters":
         law.tune(event.content["values"])
+    elif event.kind == "switch" and isinstance(law, Switching):
+        law.switch_to(event.content["to"])
     else:
-        raise SpecError("no such change", key="controller/events", value=event.kind, accepted="parameters")
+        accepted = "parameters" if not isinstance(law, Switching) else "parameters, switch"
+        raise SpecError("no such change", key="controller/events", value=event.kind, accepted=accepted)
 
 
 class _Replay:
