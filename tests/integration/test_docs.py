@@ -31,6 +31,8 @@ KINDS = {
     "robot": "base_mode",
     "model": "payload",
 }
+# Pages whose commands need those before them.
+IN_ORDER = ("campaigns.md", "compare.md", "replay.md")
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -114,7 +116,7 @@ def shell_lines(page: str) -> list[str]:
 def commands() -> list[str]:
     """Every ``space-robot ...`` that a page or an example shows with arguments; some pages need an order."""
     shown = [found for text in PAGES.values() for found in re.findall(r"`(space-robot [a-z][^`\n]*)`", text)]
-    shown += [line for page in PAGES if page not in ("campaigns.md", "compare.md") for line in shell_lines(page)]
+    shown += [line for page in PAGES if page not in IN_ORDER for line in shell_lines(page)]
     return sorted(
         {*shown, *(line for text in EXAMPLES.values() for line in re.findall(r"^ +(space-robot .*)$", text, re.M))}
     )
@@ -170,3 +172,15 @@ def test_commands_of_the_comparison_page_work_in_their_order(tmp_path: Path, mon
         with pytest.raises(SystemExit) as end:
             main()
         assert end.value.code == 0, line
+
+
+def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly, replay, look and recover; what needs a second terminal is tried in test_replay_publish.py."""
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("replay.md") if line.startswith("space-robot") and "--publish" not in line]
+    assert len(lines) == 5
+    for line in lines:
+        monkeypatch.setattr(sys, "argv", shlex.split(line))
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == (1 if "--set" in line else 0), line
