@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Mapping
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
+from space_robot_bringup.replay.happening import happen
 from space_robot_bringup.replay.outcome import Outcome, absent_topics
 from space_robot_bringup.replay.recording import Recording
-from space_robot_control.laws.base import Law
 from space_robot_msgs_py.codecs import TickCodec, decode_events
-from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, topics_of
@@ -29,18 +29,6 @@ def replay_controller(recording: Recording, tolerance: Tolerance) -> Outcome:
         LogError: there is nothing to compare.
     """
     return _Replay(recording, tolerance).run()
-
-
-def happen(law: Law, event: ControllerEvent) -> None:
-    """Change a law in flight as an event says it was.
-
-    Raises:
-        SpecError: the law cannot be changed so.
-    """
-    if event.kind == "parameters":
-        law.tune(event.content["values"])
-    else:
-        raise SpecError("no such change", key="controller/events", value=event.kind, accepted="parameters")
 
 
 class _Replay:

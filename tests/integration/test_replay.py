@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +13,8 @@ from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.replay.command import Replayed
 from space_robot_bringup.replay.comparison import Divergence, Tolerance
 from space_robot_bringup.replay.outcome import Outcome
+from space_robot_bringup.replay.references import refly
+from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log_reader import LogReader
@@ -197,14 +200,32 @@ def test_gains_changed_in_flight_are_changed_again(tmp_path: Path) -> None:
     assert "do not fit" in one(other).remarks[0]
 
 
-def tuned(place: Path, changes: dict[int, dict[str, float]]) -> Path:
-    """A flight whose gains are set at some ticks."""
-    composition = compose(load_experiment("compare/mini", [SHORT, "controller.law=computed_torque"]))
+def test_switches_in_flight_are_made_again(tmp_path: Path) -> None:
+    """A switch that somebody asked for replays where it happened; scheduled ones come by themselves."""
+    bag = tuned(tmp_path / "run", {6: "ntsmc", 13: "mfac"}, "switch/mini", "controller.switches=[]")
+    assert_equal(bag)
+    assert not refly(replayed(bag).recording), "the same flight, switches and all, is another file"
+    forgotten = rewritten(bag, tmp_path / "forgotten", drop=("controller/events",))
+    assert first(one(replayed(forgotten, against="controller"))).stamp == 6 * PERIOD
+    assert_equal(fly(tmp_path / "scheduled", "switch/mini", SHORT, "controller.switches=[{time: 2.0, to: ntsmc}]"))
+
+
+def tuned(
+    place: Path,
+    changes: dict[int, Any],
+    experiment: str = "compare/mini",
+    override: str = "controller.law=computed_torque",
+) -> Path:
+    """A flight whose gains are set, or whose law is switched, at some ticks."""
+    composition = compose(load_experiment(experiment, [SHORT, override]))
     plant, law, reference = composition.plant(), composition.controller(), composition.reference()
     sink = LogSink(place, composition.header)
     sample = plant.reset()
     for index in range(21):
-        if index in changes:
+        if isinstance(changes.get(index), str):
+            assert isinstance(law, Switching)
+            law.switch_to(changes[index])
+        elif index in changes:
             law.tune(changes[index])
         asked = reference.at(sample.state.stamp)
         output = law.update(sample.state, asked)
