@@ -1,4 +1,4 @@
-"""One figure of a paper as a picture: panels over time, then charts of numbers, then maps."""
+"""One figure of a paper as a picture: panels over time, then charts of numbers, grids and maps."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from matplotlib.colors import is_color_like
 
 from space_robot_bringup.report.chart import draw_chart, plain
 from space_robot_bringup.report.curves import Curve, curves_of
+from space_robot_bringup.report.grid import draw_grid
 from space_robot_bringup.report.stability import draw_stability
 from space_robot_bringup.reproduce.reproduction import FlownFigure
 from space_robot_bringup.reproduce.spec import Drawing, Figure
@@ -55,20 +56,24 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
     Raises:
         LogError: the picture cannot be written.
     """
-    panels, charts, maps = flown.figure.panels, flown.figure.charts, flown.figure.maps
-    rows = len(panels) + len(charts) + len(maps)
+    figure = flown.figure
+    rows = len(figure.panels) + len(figure.charts) + len(figure.grids) + len(figure.maps)
     if not rows:
         return False
     with mpl.rc_context(LOOK):
         size = (WIDTH, ALONE if rows == 1 else HEIGHT * rows)
         picture, axes = plt.subplots(rows, 1, figsize=size, layout="constrained", squeeze=False)
         try:
-            _draw_panels(flown, axes[: len(panels), 0])
-            for axis, chart in zip(axes[len(panels) : rows - len(maps), 0], charts, strict=True):
+            free = iter(axes[len(figure.panels) :, 0])
+            _draw_panels(flown, axes[: len(figure.panels), 0])
+            for chart in figure.charts:
+                axis = next(free)
                 draw_chart(axis, chart, flown)
                 _dress(axis, chart, str(chart.measure.quantity))
-            for axis, wanted in zip(axes[rows - len(maps) :, 0], maps, strict=True):
-                draw_stability(axis, wanted)
+            for grid in figure.grids:
+                draw_grid(next(free), grid, flown)
+            for wanted in figure.maps:
+                draw_stability(next(free), wanted)
             picture.savefig(path, dpi=130, format="png")
         except OSError as error:
             raise LogError(f"the picture cannot be written: {error.strerror or error}", key=str(path)) from None

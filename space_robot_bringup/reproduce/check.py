@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from space_robot_bringup.reproduce.claims import check_words
+from space_robot_bringup.reproduce.expression import Formula
 from space_robot_bringup.reproduce.measures import select
 from space_robot_bringup.reproduce.numbers import Asked, Measure, Number
 from space_robot_bringup.reproduce.plan import Plan, PlannedRun, Runs
-from space_robot_bringup.reproduce.spec import Chart, Claim, Drawing, Figure, Panel, Table
+from space_robot_bringup.reproduce.spec import Chart, Claim, Drawing, Figure, Grid, Panel, Table
 from space_robot_bringup.reproduce.vocabulary import Vocabulary
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
@@ -51,6 +52,8 @@ class _FigureCheck:
             self._check_panel(panel, f"{key}.panels.{index}")
         for index, chart in enumerate(figure.charts):
             self._check_chart(chart, f"{key}.charts.{index}")
+        for index, grid in enumerate(figure.grids):
+            self._check_grid(grid, f"{key}.grids.{index}")
         for index, table in enumerate(figure.tables):
             self._check_table(table, f"{key}.tables.{index}")
         if figure.timing is not None:
@@ -76,13 +79,15 @@ class _FigureCheck:
     def _check_chart(self, chart: Chart, key: str) -> None:
         runs = self._check_drawing(chart, (), key)
         self._check_number(chart.measure, runs, f"{key}.measure")
-        for run in runs if chart.x else ():
-            value = run.values.get(chart.x)
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                accepted = "a key that every group sets or sweeps to numbers"
-                raise SpecError(f"{run.label} has no such number", key=f"{key}.x", value=chart.x, accepted=accepted)
-            if chart.x_scale == "log" and value <= 0:
-                raise SpecError("has no place on this scale", key=f"{key}.x_scale", value=value, accepted="numbers > 0")
+        if chart.x:
+            _check_axis(runs, chart.x, chart.x_scale, f"{key}.x")
+
+    def _check_grid(self, grid: Grid, key: str) -> None:
+        self._check_chart(grid, key)
+        _check_reducible(grid.measure, self._of(grid.of, f"{key}.of"), f"{key}.measure")
+        _check_axis(self._of(grid.of, f"{key}.of"), grid.y, grid.y_scale, f"{key}.y")
+        for text, formula in grid.lines.items():
+            Formula(formula, ("x",), f"{key}.lines.{text}")
 
     def _check_drawing(self, drawing: Drawing, signals: Sequence[str], key: str) -> list[PlannedRun]:
         runs = self._of(drawing.of, f"{key}.of")
@@ -146,6 +151,17 @@ def _known(what: str, name: str, names: Sequence[str], key: str) -> None:
     if name not in names:
         accepted = nearest(name, names) or ", ".join(names) or "none is there"
         raise SpecError(f"no such {what}", key=key, value=name, accepted=accepted)
+
+
+def _check_axis(runs: Sequence[PlannedRun], axis: str, scale: str, key: str) -> None:
+    """Every run has a place on the axis of a dotted key."""
+    for run in runs:
+        value = run.values.get(axis)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            accepted = "a key that every group sets or sweeps to numbers"
+            raise SpecError(f"{run.label} has no such number", key=key, value=axis, accepted=accepted)
+        if scale == "log" and value <= 0:
+            raise SpecError("has no place on this scale", key=f"{key}_scale", value=value, accepted="numbers > 0")
 
 
 def _check_reducible(number: Number, runs: Sequence[PlannedRun], key: str) -> None:

@@ -146,7 +146,7 @@ def _job(plan: Plan, figures: Sequence[str], flight: PlannedFlight, directory: P
 def _numbers(figure: Figure, runs: Sequence[PlannedRun], flight: PlannedFlight) -> Iterator[Asked]:
     """Everything a figure asks of a flight."""
     mine = {run.group for run in runs if run.flight is flight}
-    for chart in figure.charts:
+    for chart in (*figure.charts, *figure.grids):
         if mine & set(chart.of or mine):
             yield chart.measure
     for table in figure.tables:

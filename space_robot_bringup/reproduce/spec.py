@@ -142,6 +142,14 @@ class Chart(Drawing):
     marks: dict[str, float] = Field(default_factory=dict, description="text -> abscissa of a vertical line")
 
 
+class Grid(Chart):
+    """A number over two keys of the experiment, one cell per point of the sweep, with formulas drawn over it."""
+
+    y: str = Field(min_length=1, description="dotted key whose value is the ordinate")
+    y_label: str = ""
+    lines: dict[str, str] = Field(default_factory=dict, description="text -> ordinate as a formula over x")
+
+
 class Table(Strict):
     """One row per group, per point of its sweep (all seeds together) or per run, one column per number."""
 
@@ -176,6 +184,7 @@ class Figure(Strict):
     runs: dict[str, RunGroup] = Field(min_length=1, description="label -> runs")
     panels: tuple[Panel, ...] = ()
     charts: tuple[Chart, ...] = ()
+    grids: tuple[Grid, ...] = ()
     maps: tuple[StabilityMap, ...] = ()
     tables: tuple[Table, ...] = ()
     timing: Timing | None = None

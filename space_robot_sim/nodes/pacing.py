@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.parameters import ParameterRow
 
 REALTIME = "realtime"
@@ -20,6 +22,17 @@ def realtime_row(factor: float | None) -> ParameterRow:
     if factor is None:
         return ParameterRow(REALTIME, 0.0, text)
     return ParameterRow(REALTIME, factor, text, dynamic=True, lower=SLOWEST, upper=FASTEST)
+
+
+def checked_factor(value: Any) -> float:
+    """A factor that was set in flight.
+
+    Raises:
+        SpecError: it is no number, or beyond the bounds.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float) or not SLOWEST <= value <= FASTEST:
+        raise SpecError("not a pace", key=REALTIME, value=value, accepted=f"{SLOWEST:g} to {FASTEST:g}")
+    return float(value)
 
 
 class Pacer:

@@ -12,7 +12,7 @@ from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION
 from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.health import SimulatorHealth
-from space_robot_sim.nodes.pacing import REALTIME, Pacer, realtime_row
+from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import RunServices
 from space_robot_sim.nodes.transforms import TransformPublisher
 
@@ -98,9 +98,13 @@ class SimulatorNode(ManagedNode):
         del self._plant
 
     def retune(self, changes: dict[str, Any]) -> None:
-        """Fly faster or slower from the next period on."""
+        """Fly faster or slower from the next period on.
+
+        Raises:
+            SpecError: not a number within the bounds of the parameter.
+        """
         if self.pacer is not None:
-            self.pacer.pace(self._period / changes[REALTIME])
+            self.pacer.pace(self._period / checked_factor(changes[REALTIME]))
 
     @property
     def period(self) -> int:

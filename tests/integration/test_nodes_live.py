@@ -19,6 +19,7 @@ from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log_reader import LogReader
 from tests.integration.harness import Flight, flight
+from tests.replays import assert_equal
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 SWITCH = "switch/mini"
@@ -106,7 +107,7 @@ def test_every_node_shows_what_it_runs_with(tmp_path: Path) -> None:
 
 
 def test_a_gain_changed_in_flight_acts_at_a_tick_and_is_in_the_log(tmp_path: Path) -> None:
-    """The log has the event at the first command that the new gain made, and up to there the bits of a plain flight."""
+    """The log has the event at the first command of the new gain, plain bits before it, and a replay repeats it all."""
     plain = tmp_path / "plain" / "run"
     run_experiment(load_experiment("liu2023/fig08"), plain, mode="headless")
     with flight(tmp_path / "run", services=True) as robot:
@@ -121,6 +122,7 @@ def test_a_gain_changed_in_flight_acts_at_a_tick_and_is_in_the_log(tmp_path: Pat
     same = [a.output.command.u.tobytes() == b.output.command.u.tobytes() for a, b in _pairs(ticks, plain)]
     assert all(same[: stopped + 1])
     assert not same[stopped + 1]
+    assert_equal(tmp_path / "run")
 
 
 @pytest.mark.parametrize(
@@ -164,6 +166,7 @@ def test_the_switch_service_takes_the_laws_in_turn(tmp_path: Path) -> None:
     planned = tmp_path / "planned" / "run"
     run_experiment(load_experiment(SWITCH, [UNPLANNED[1], plan]), planned, mode="headless")
     assert list(LogReader(tmp_path / "run").messages()) == list(LogReader(planned).messages())
+    assert_equal(tmp_path / "run")
 
 
 @pytest.mark.parametrize("node", ["controller", "simulator"])
@@ -208,7 +211,8 @@ def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Pa
         robot.spin_until(lambda: robot.simulator.commands.counts["missed"] > 3, "missed commands")
         assert transit(robot, "controller", Transition.TRANSITION_ACTIVATE)
         robot.spin_until(lambda: robot.simulator.commands.answered, "an answer")
-        assert not set_parameters(robot, "simulator", realtime=0.0).successful
+        for wrong in (0.0, 0, -1.0, "fast", float("nan"), True):
+            assert not set_parameters(robot, "simulator", realtime=wrong).successful
         assert set_parameters(robot, "simulator", realtime=1000.0).successful
         robot.spin_until(lambda: robot.simulator.end_reason, "the end of the run")
         assert robot.simulator.end_reason == "completed"
