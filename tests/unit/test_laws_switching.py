@@ -213,6 +213,7 @@ def test_gains_of_each_law_can_be_changed() -> None:
     ("changes", "why"),
     [
         ({"active_law": "ntsm"}, "accepted: ntsmc"),
+        ({"active_law": ["ntsmc"]}, "not among the laws"),
         ({"standby.pd.gains.bandwidth": 1.0}, "standby.ntsmc.gains"),
         ({"gains.kappa": 1.0, "standby.ntsmc.gains.k1": 0.1}, "one law at a time"),
         ({"standby.ntsmc.gains.k1": -1.0}, "greater than or equal to 0"),
