@@ -142,6 +142,10 @@ class Law(Tunable, ABC):
         """
         del command, own
 
+    def stand_by(self, command: Command) -> None:
+        """Learn what another law commands while this one is idle; by default it is not of interest."""
+        del command
+
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer one state with a command and telemetry of the same stamp.
 
