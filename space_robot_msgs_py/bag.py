@@ -50,17 +50,6 @@ class Bag:
         self.path = Path(path)
         self.files = _mcap_files(self.path)
 
-    def records(self) -> Iterator[Record | Damage]:
-        """Every record of the data section of each file, see ``salvage``.
-
-        Raises:
-            InputFileError: a file cannot be read, or there is no MCAP file.
-        """
-        if not self.files:
-            raise InputFileError("not a bag of MCAP files", key=str(self.path), accepted="plain .mcap files")
-        for file in self.files:
-            yield from salvage(file)
-
     def messages(self) -> Iterator[BagMessage | Damage]:
         """Every message in the order of the files.
 

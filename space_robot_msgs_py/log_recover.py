@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from space_robot_msgs_py.bag import Bag, intact
-from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.errors import InputFileError, LogError
 from space_robot_msgs_py.log_directory import METADATA_FILE, prepare_directory, write_metadata_yaml
 from space_robot_msgs_py.log_merge import BagMerger
 from space_robot_msgs_py.log_reader import LogReader
@@ -61,6 +61,10 @@ def recover(source: Path | str, target: Path) -> Recovery:
         LogError: no message can be recovered, or the target cannot be written; nothing is left of it then.
     """
     bag = Bag(source)
+    if not bag.files:
+        raise InputFileError(
+            "not a bag of plain MCAP files", key=str(source), accepted="*.mcap, not compressed by rosbag2"
+        )
     if any(file.resolve().parent == target.resolve() for file in bag.files):
         raise LogError("is the place of the damaged bag", key=str(target), accepted="another directory")
     merger = BagMerger(bag)

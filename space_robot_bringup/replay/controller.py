@@ -6,12 +6,11 @@ from collections import Counter
 from collections.abc import Mapping
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
+from space_robot_bringup.replay.happening import happen
 from space_robot_bringup.replay.outcome import Outcome, absent_topics
 from space_robot_bringup.replay.recording import Recording
-from space_robot_control.laws.base import Law
-from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.codecs import TickCodec, decode_events
-from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, topics_of
@@ -23,28 +22,14 @@ _ANSWERS = (*topics_of("command"), CONTROLLER_TELEMETRY)
 def replay_controller(recording: Recording, tolerance: Tolerance) -> Outcome:
     """Feed every recorded state and reference to a fresh controller and compare what it says.
 
-    A reference that is not in the bag is that of the experiment. A state without a recorded answer (a paced run that
-    was too fast) is answered too, for the law may remember it, and compared with nothing.
+    A reference that is not in the bag is that of the experiment. A state without a recorded answer passed by while the
+    controller was inactive (in a paced run; else it would have waited): the fresh law is not asked either, and starts
+    anew with the next one, as ControllerNode does.
 
     Raises:
         LogError: there is nothing to compare.
     """
     return _Replay(recording, tolerance).run()
-
-
-def happen(law: Law, event: ControllerEvent) -> None:
-    """Change a law in flight as an event says it was.
-
-    Raises:
-        SpecError: the law cannot be changed so.
-    """
-    if event.kind == "parameters":
-        law.tune(event.content["values"])
-    elif event.kind == "switch" and isinstance(law, Switching):
-        law.switch_to(event.content["to"])
-    else:
-        accepted = "parameters" if not isinstance(law, Switching) else "parameters, switch"
-        raise SpecError("no such change", key="controller/events", value=event.kind, accepted=accepted)
 
 
 class _Replay:
@@ -61,6 +46,7 @@ class _Replay:
         # Where the recorded law gave up, the state it had no answer to is the last one.
         failed = self._ended.startswith(FAILED)
         self._final = max((stamp for stamp, _ in recording.rows()), default=-1) if failed else -1
+        self._passed_by = False
         self._ticks, self._last = 0, -1
 
     def run(self) -> Outcome:
@@ -90,15 +76,22 @@ class _Replay:
             state, reference = self._inputs(stamp, parts)
         except (KeyError, SpaceRobotError) as error:
             return f"the state at {stamp} ns cannot be used ({error}): not compared from there on"
+        answered = any(topic.name in parts for topic in topics_of("command"))
+        if not (answered or stamp == self._final):
+            self._notes["states have no recorded answer: nobody was asked, and the law then started anew"] += 1
+            self._passed_by = True
+            return ""
+        if self._passed_by:
+            self._law.reset()
+            self._passed_by = False
         self._ticks += 1
         self._happen(parts)
-        answered = any(topic.name in parts for topic in topics_of("command"))
         try:
             output = self._law.update(state, reference)
         except SpaceRobotError as error:
             return self._failed(stamp, f"{FAILED}{error}", answered)
         if not answered:
-            self._unanswered(stamp)
+            self._comparison.event("command", stamp, "answer", self._ended, "an answer")
             return ""
         command = zip(self._codec.command.topics, self._codec.command.encode(output.command), strict=True)
         telemetry = self._codec.controller_telemetry.encode(output.telemetry)[0]
@@ -132,12 +125,5 @@ class _Replay:
 
     def _failed(self, stamp: int, reason: str, answered: bool) -> str:
         """The fresh law gave up: as the recorded one did, or not."""
-        if answered or stamp == self._final:
-            self._comparison.event("command", stamp, "answer", "an answer" if answered else self._ended, reason)
+        self._comparison.event("command", stamp, "answer", "an answer" if answered else self._ended, reason)
         return f"the law gives up at {stamp} ns"
-
-    def _unanswered(self, stamp: int) -> None:
-        if stamp == self._final:
-            self._comparison.event("command", stamp, "answer", self._ended, "an answer")
-        else:
-            self._notes["states have no recorded answer"] += 1

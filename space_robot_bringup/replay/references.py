@@ -6,11 +6,15 @@ import tempfile
 from pathlib import Path
 
 from space_robot_bringup import closed_loop
+from space_robot_bringup.replay.happening import Repeated
 from space_robot_bringup.replay.recording import Recording
 from space_robot_msgs_py.bag import Bag
+from space_robot_msgs_py.codecs import decode_events
 from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.log_directory import BAG_SUFFIX, METADATA_FILE
 from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS
 
 _HEADLESS = {"mode": "headless"}
 
@@ -32,7 +36,8 @@ def refly(recording: Recording) -> bool:
     try:
         with tempfile.TemporaryDirectory(prefix=f".{old.parent.name}.", dir=old.parent) as scratch:
             sink = LogSink(Path(scratch) / old.name.removesuffix(BAG_SUFFIX), composition.header, custom=_HEADLESS)
-            parts = composition.plant(), composition.controller(), composition.reference()
+            controller = Repeated(composition.controller(), _events(recording))
+            parts = composition.plant(), controller, composition.reference()
             reason = closed_loop.run(*parts, steps=composition.experiment.steps, sink=sink)
             if reason not in ("completed", recording.end_reason):
                 raise LogError(f"the new flight ends otherwise: {reason}", key=str(old), accepted="the old bag stays")
@@ -41,6 +46,12 @@ def refly(recording: Recording) -> bool:
         raise
     except OSError as error:
         raise LogError(f"cannot be replaced: {error.strerror or error}", key=str(old)) from None
+
+
+def _events(recording: Recording) -> dict[int, tuple[ControllerEvent, ...]]:
+    """What was changed in flight belongs to the run, and happens in the new one too."""
+    rows = ((stamp, parts.get(CONTROLLER_EVENTS.name)) for stamp, parts in recording.rows())
+    return {stamp: decode_events(raw) for stamp, raw in rows if raw is not None}
 
 
 def _bag_file(recording: Recording) -> Path:

@@ -183,3 +183,10 @@ def test_foreign_bags_are_recovered(ours: Path, tmp_path: Path, form: str) -> No
     cut = recover(bag, tmp_path / "rest")
     assert 0 < sum(cut.kept.values()) < sum(done.kept.values())
     assert cut.damage
+
+
+def test_what_is_no_mcap_is_not_recovered(space_robot: Tool, ours: Path, tmp_path: Path) -> None:
+    """SQLite has tools of its own for that: one line, and no directory."""
+    write("sqlite", ours, tmp_path / "bag")
+    refused(space_robot("recover", "bag"), "plain MCAP")
+    assert not (tmp_path / "bag_recovered").exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +13,8 @@ from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.replay.command import Replayed
 from space_robot_bringup.replay.comparison import Divergence, Tolerance
 from space_robot_bringup.replay.outcome import Outcome
+from space_robot_bringup.replay.references import refly
+from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log_reader import LogReader
@@ -150,13 +153,9 @@ def test_a_controller_without_telemetry_is_compared_by_its_commands(bag: Path, t
         replayed(bare, against="controller")
 
 
-def test_missing_commands_are_flown_in_the_hold(bag: Path, tmp_path: Path) -> None:
-    """Where the telemetry says that an older command acted, the fresh plant gets that one."""
-    experiment = "liu2023/fig08"
-    held = rewritten(bag, tmp_path / "run")
-    assert_equal(held)
-    paced = fly_with_losses(tmp_path / "paced", experiment)
-    done = replayed(paced)
+def test_what_a_paced_run_misses_is_missed_again(tmp_path: Path) -> None:
+    """Where the telemetry says that an older command acted, the fresh plant gets that one; nobody is asked twice."""
+    done = replayed(fly_with_losses(tmp_path / "paced", "liu2023/fig11"))
     assert done.equal, [outcome.first for outcome in done.outcomes]
     assert "states have no recorded answer" in done.outcomes[0].remarks[0]
     assert "flown with an older command" in done.outcomes[1].remarks[0]
@@ -171,16 +170,17 @@ def fly_with_losses(place: Path, experiment: str) -> Path:
     sample, late = plant.reset(), None
     for index in range(21):
         asked = reference.at(sample.state.stamp)
-        output = law.update(sample.state, asked)
-        row = zip(LOGGED, codec.encode(Tick(sample, asked, output)), strict=True)
-        parts = {topic: raw for topic, raw in row if raw is not None}
-        if index % 5 == 3:
-            parts = {
-                topic: raw for topic, raw in parts.items() if topic.kind not in ("command", "controller_telemetry")
-            }
-        writer.write_tick(sample.state.stamp, parts)
-        due = output.command if index % 5 in (0, 1, 4) else late
-        late = output.command if index % 5 == 2 else None
+        if index % 7 == 3:
+            # Nobody is there to answer, and who comes then starts anew.
+            law.reset()
+            row = codec.encode_unanswered(sample, asked)
+            due, late = late, None
+        else:
+            output = law.update(sample.state, asked)
+            row = codec.encode(Tick(sample, asked, output))
+            due = late if index % 7 == 2 else output.command
+            late = output.command if index % 7 in (2, 5) else None
+        writer.write_tick(sample.state.stamp, {t: raw for t, raw in zip(LOGGED, row, strict=True) if raw is not None})
         sample = plant.step(due)
     writer.close("completed")
     return place
@@ -197,14 +197,32 @@ def test_gains_changed_in_flight_are_changed_again(tmp_path: Path) -> None:
     assert "do not fit" in one(other).remarks[0]
 
 
-def tuned(place: Path, changes: dict[int, dict[str, float]]) -> Path:
-    """A flight whose gains are set at some ticks."""
-    composition = compose(load_experiment("compare/mini", [SHORT, "controller.law=computed_torque"]))
+def test_switches_in_flight_are_made_again(tmp_path: Path) -> None:
+    """A switch that somebody asked for replays where it happened; scheduled ones come by themselves."""
+    bag = tuned(tmp_path / "run", {6: "ntsmc", 13: "mfac"}, "switch/mini", "controller.switches=[]")
+    assert_equal(bag)
+    assert not refly(replayed(bag).recording), "the same flight, switches and all, is another file"
+    forgotten = rewritten(bag, tmp_path / "forgotten", drop=("controller/events",))
+    assert first(one(replayed(forgotten, against="controller"))).stamp == 6 * PERIOD
+    assert_equal(fly(tmp_path / "scheduled", "switch/mini", SHORT, "controller.switches=[{time: 2.0, to: ntsmc}]"))
+
+
+def tuned(
+    place: Path,
+    changes: dict[int, Any],
+    experiment: str = "compare/mini",
+    override: str = "controller.law=computed_torque",
+) -> Path:
+    """A flight whose gains are set, or whose law is switched, at some ticks."""
+    composition = compose(load_experiment(experiment, [SHORT, override]))
     plant, law, reference = composition.plant(), composition.controller(), composition.reference()
     sink = LogSink(place, composition.header)
     sample = plant.reset()
     for index in range(21):
-        if index in changes:
+        if isinstance(changes.get(index), str):
+            assert isinstance(law, Switching)
+            law.switch_to(changes[index])
+        elif index in changes:
             law.tune(changes[index])
         asked = reference.at(sample.state.stamp)
         output = law.update(sample.state, asked)

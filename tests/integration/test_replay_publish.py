@@ -26,10 +26,10 @@ from trajectory_msgs.msg import JointTrajectory
 
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import LIGHT, make_executor, private_context, reserved_domain
+from space_robot_bringup.graph import LIGHT, make_executor, make_node, private_context, reserved_domain
 from space_robot_bringup.replay.comparison import EXACT
 from space_robot_bringup.replay.publish import Answers, PublishOrder, open_broadcast
-from space_robot_control.nodes.controller import ControllerNode
+from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_sim.nodes.replayer import ReplayerNode
 from tests.integration.tool import Tool, refused
 from tests.replays import fly
@@ -165,8 +165,10 @@ def test_the_recorded_law_answers_as_recorded(bag: Path) -> None:
     """Our own controller node on the replayed states says what it said in the run, bit for bit."""
     composition = compose(load_experiment("liu2023/fig08", [SHORT]))
 
-    def ours(context: Context) -> ControllerNode:
-        return ControllerNode(composition.controller(), composition.joint_names, context=context, **LIGHT)
+    def ours(context: Context) -> Any:
+        node = make_node("controller", composition, bag, realtime=None, mode="graph", context=context, **LIGHT)
+        bring_up([node])
+        return node
 
     with stage(bag, ours) as on:
         on.until(lambda: on.replayer.end_reason, "the end of the bag")

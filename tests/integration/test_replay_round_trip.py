@@ -10,7 +10,7 @@ from space_robot_bringup.run import Mode
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_description.share import shipped
 from space_robot_msgs_py.log_reader import LogReader
-from tests.replays import assert_equal, fly
+from tests.replays import assert_equal, fly, replayed
 
 TASKS = {"mini": "compare/mini", "servicer": "compare/servicer"}
 # Everything that could be forgotten between a run and its replay.
@@ -70,3 +70,29 @@ def test_the_logs_of_the_graph(tmp_path: Path, mode: Mode) -> None:
     bag = fly(tmp_path / "run", TASKS["mini"], "controller.law=ntsmc", *ROUGH, mode=mode)
     assert sum(1 for _ in LogReader(bag).ticks()) == 17
     assert_equal(bag)
+
+
+@pytest.mark.ros
+@pytest.mark.xdist_group("graph")
+@pytest.mark.parametrize(("law", "realtime"), [("mfac", 40.0), ("computed_torque", 2000.0)])
+def test_a_paced_log_with_a_break(tmp_path: Path, law: str, realtime: float) -> None:
+    """Commands that were missed or late, and a controller that was away for a while: what acted then acts again."""
+    pytest.importorskip("rclpy")
+    from space_robot_msgs_py.nodes.managed import ManagedNode
+    from tests.integration.harness import flight
+
+    with flight(
+        tmp_path / "run", "duration=30.0", f"controller.law={law}", experiment=TASKS["mini"], realtime=realtime
+    ) as robot:
+        controller = robot.nodes["controller"]
+        assert isinstance(controller, ManagedNode)
+        controller.must(controller.trigger_deactivate)
+        robot.spin_until(lambda: robot.simulator.tick > 20, "some periods without commands")
+        controller.must(controller.trigger_activate)
+        robot.spin_until(lambda: robot.simulator.end_reason, "the end of the run")
+        robot.spin_for(0.3)
+        robot.recorder.finish("completed")
+    done = replayed(tmp_path / "run")
+    assert [outcome.first for outcome in done.outcomes] == [None, None]
+    assert "have no recorded answer" in done.outcomes[0].remarks[0]
+    assert done.outcomes[1].ticks == 121

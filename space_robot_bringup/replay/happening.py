@@ -1,0 +1,53 @@
+"""What was done to a controller in flight, done again to a fresh one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from space_robot_control.laws.base import Law
+from space_robot_control.laws.switching import Switching
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
+
+
+def happen(law: Law, event: ControllerEvent) -> None:
+    """Change a law as an event says it was changed; the law tells of it in its next output.
+
+    Args:
+        law: before it answers the state with the event's stamp.
+        event: of a log, so its content may be anything.
+
+    Raises:
+        SpecError: this law cannot be changed so.
+    """
+    content = event.content
+    if event.kind == "parameters" and isinstance(content.get("values"), dict):
+        law.tune(content["values"])
+    elif event.kind == "switch" and isinstance(law, Switching):
+        # One that was scheduled is done by the law itself; saying it again changes nothing.
+        law.switch_to(str(content.get("to")))
+    else:
+        raise SpecError("does not fit this law", key="controller/events", value=event.line[:80])
+
+
+class Repeated:
+    """A controller to which everything happens at the stamps at which a log says it happened.
+
+    Args:
+        law: a fresh one.
+        events: by stamp [ns].
+    """
+
+    def __init__(self, law: Law, events: Mapping[int, Sequence[ControllerEvent]]) -> None:
+        self._law, self._events = law, events
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._law.reset()
+
+    def update(self, state: RobotState, reference: Reference) -> ControlOutput:
+        """Answer one state, changed as the events of its stamp say."""
+        for event in self._events.get(state.stamp, ()):
+            happen(self._law, event)
+        return self._law.update(state, reference)

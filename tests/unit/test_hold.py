@@ -1,0 +1,47 @@
+"""Which command acts: the answer, an older one, or nothing; with and without a period of delay."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from space_robot_msgs_py.errors import CommandError
+from space_robot_msgs_py.interfaces import Command
+from space_robot_sim.hold import NO_COMMAND, CommandHold
+
+JOINTS = 2
+
+
+def command(stamp: int) -> Command:
+    return Command(stamp, np.full(6, float(stamp)), np.full(JOINTS, float(stamp)))
+
+
+@pytest.mark.parametrize(
+    ("hold", "delay", "acting"),
+    [
+        ("last", 0, [0, 0, 0, 3]),
+        ("zero", 0, [0, NO_COMMAND, NO_COMMAND, 3]),
+        ("last", 1, [NO_COMMAND, 0, 0, 0, 3]),
+        ("zero", 1, [NO_COMMAND, 0, NO_COMMAND, NO_COMMAND, 3]),
+    ],
+)
+def test_the_stamp_tells_which_command_acts(hold, delay, acting):
+    """Commands at 0 and 3, none in between: hold and delay decide, force and stamp agree."""
+    line = CommandHold(JOINTS, delay_periods=delay, hold=hold)
+    assert line.reset().stamp == NO_COMMAND
+    given = [command(0), None, None, command(3), None][: len(acting)]
+    for expected, now in zip(acting, given, strict=True):
+        found = line.take(now)
+        assert found.stamp == expected
+        np.testing.assert_array_equal(found.u, np.full(6 + JOINTS, max(float(expected), 0.0)))
+
+
+def test_a_reset_forgets_and_a_wrong_size_is_refused():
+    """After a reset nothing is held; a command for another robot changes nothing."""
+    line = CommandHold(JOINTS, delay_periods=0, hold="last")
+    line.take(command(5))
+    with pytest.raises(CommandError, match="wrong size"):
+        line.take(Command(6, np.zeros(6), np.zeros(JOINTS + 1)))
+    assert line.take(None).stamp == 5
+    line.reset()
+    assert line.take(None).stamp == NO_COMMAND
