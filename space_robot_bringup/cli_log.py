@@ -62,6 +62,9 @@ def replay(
 
     tolerance = Tolerance(rtol, atol, tuple(ignore or ()))
     if publish:
+        if as_json or set_ or experiment or update_refs or against != "both":
+            key = "--against, --set, --experiment, --update-refs, --json"
+            raise SpecError("means nothing to --publish", key=key, accepted="--publish without it")
         _publish(bags, PublishOrder(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
         return
     if rate is not None or paused or loop or topics or role != "state":
