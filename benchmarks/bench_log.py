@@ -17,6 +17,7 @@ from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.log_header import LogHeader
 from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.transforms import FrameTransforms
 
 JOINTS = 7
 TICKS = 1500
@@ -24,6 +25,8 @@ PERIOD = 100_000_000
 REPEATS = 5
 NAMES = tuple(f"joint{index + 1}" for index in range(JOINTS))
 PER_TICK = sum(not topic.sporadic for topic in LOGGED)
+# In the log a tick has its transforms, too.
+IN_LOG = PER_TICK + 1
 
 
 def run() -> dict[str, float]:
@@ -35,6 +38,7 @@ def run() -> dict[str, float]:
 def _codecs(tick: Tick) -> dict[str, float]:
     codec, canonical = TickCodec(NAMES), TopicBytes(NAMES)
     raws = codec.encode(tick)
+    frames = FrameTransforms(_urdf(), NAMES)
     pairs = [(topic, raw) for topic, raw in zip(LOGGED, raws, strict=True) if raw is not None]
     parts = {topic.name: raw for topic, raw in pairs}
     state = codec.state.encode(tick.sample.state)
@@ -45,6 +49,7 @@ def _codecs(tick: Tick) -> dict[str, float]:
         "decode a tick, us/message": _us(lambda: codec.decode(parts)) / PER_TICK,
         "decode a state (3 messages), us": _us(lambda: codec.state.decode(state)),
         "decode a command (2 messages), us": _us(lambda: codec.command.decode(command)),
+        "transforms of a state, us": _us(lambda: frames.from_messages(*state[:2])),
         "peek at a stamp, us": _us(lambda: peek_stamp(state[0])),
         "canonical form by layout, us/message": _us(lambda: [canonical.read(*pair) for pair in pairs]) / PER_TICK,
         "canonical form by rosbags, us/message": _us(
@@ -68,7 +73,7 @@ def _joining() -> dict[str, float]:
 
 def _log(ticks: list[Tick]) -> dict[str, float]:
     writing, closing, reading, stacking = [], [], [], []
-    header = LogHeader("", "<robot/>", 0, NAMES)
+    header = LogHeader("", _urdf(), 0, NAMES)
     with tempfile.TemporaryDirectory() as scratch:
         for repeat in range(REPEATS):
             sink = LogSink(Path(scratch) / f"run{repeat}", header)
@@ -77,7 +82,7 @@ def _log(ticks: list[Tick]) -> dict[str, float]:
             reader = LogReader(sink.writer.path)
             reading.append(_seconds(lambda reader=reader: sum(1 for _ in reader.ticks())))
             stacking.append(_seconds(reader.arrays))
-    messages = TICKS * PER_TICK
+    messages = TICKS * IN_LOG
     return {
         "log: values to disk, flushed every tick, us/message": 1e6 * min(writing) / messages,
         "log: values to disk, messages/s": messages / min(writing),
@@ -86,6 +91,17 @@ def _log(ticks: list[Tick]) -> dict[str, float]:
         "log: read as ticks, messages/s": messages / min(reading),
         "log: read as arrays, messages/s": messages / min(stacking),
     }
+
+
+def _urdf() -> str:
+    """A chain of the joints."""
+    links = ["base_link", *(f"link{index + 1}" for index in range(JOINTS))]
+    joints = [
+        f'<joint name="{name}" type="revolute"><origin xyz="0 0 0.3" rpy="0.1 0.2 0.3"/><axis xyz="0 0 1"/>'
+        f'<parent link="{links[index]}"/><child link="{links[index + 1]}"/></joint>'
+        for index, name in enumerate(NAMES)
+    ]
+    return f"<robot name='chain'>{''.join(f'<link name={link!r}/>' for link in links)}{''.join(joints)}</robot>"
 
 
 def _ticks() -> list[Tick]:

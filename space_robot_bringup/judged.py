@@ -14,7 +14,8 @@ from space_robot_bringup.verdict import Check
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.codecs import TickCodec
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.interfaces import Tick
+from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.interfaces import NANOSECONDS, Tick
 from space_robot_msgs_py.log_arrays import LogArrays, Row, stack_ticks
 from space_robot_msgs_py.log_directory import METADATA_FILE
 from space_robot_msgs_py.log_header import LogHeader
@@ -35,6 +36,7 @@ class JudgedLog:
         composition: None where the experiment cannot be composed here.
         metrics: None without a composition.
         checks: the verdict, bound by bound; empty without a composition.
+        events: what was changed in flight, in order.
         troubles: what is wrong with the log, a line each; empty for a whole one.
     """
 
@@ -47,6 +49,7 @@ class JudgedLog:
     composition: Composition | None
     metrics: RunMetrics | None
     checks: tuple[Check, ...]
+    events: tuple[ControllerEvent, ...]
     troubles: tuple[str, ...]
 
 
@@ -82,6 +85,7 @@ def read_judged(path: Path | str) -> JudgedLog:
         composition=composition,
         metrics=metrics,
         checks=checks,
+        events=tuple(event for tick in ticks for event in tick.output.events),
         troubles=tuple(troubles),
     )
 
@@ -96,7 +100,7 @@ def _readable(reader: LogReader, troubles: list[str]) -> tuple[list[Row], list[T
                 ticks.append(codec.decode(parts))
                 rows.append((stamp, parts))
             except SpaceRobotError as error:
-                unfit.append(f"tick at {stamp / 1e9:g} s left out: {error}")
+                unfit.append(f"tick at {stamp / NANOSECONDS:g} s left out: {error}")
     except LogError as error:
         troubles.append(str(error))
     troubles += unfit[:1]

@@ -12,7 +12,7 @@ from space_robot_bringup.campaign.run import describe, judge_groups
 from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.campaign.summary import Group, summarise
 from space_robot_bringup.campaign.table import FIXED
-from space_robot_bringup.report.interactive import PlotBook, interactive_page
+from space_robot_bringup.report.interactive import PlotBook, embedded, interactive_page
 from space_robot_bringup.report.paper_report import write_whole
 from space_robot_bringup.report.spreads import spread_figures
 from space_robot_bringup.verdict import PLANT_BOUNDS
@@ -77,6 +77,7 @@ def campaign_page(campaign: Campaign, rows: Sequence[Columns], versions: Mapping
         "failed": sum(not row["passed"] for row in rows),
         "dispersed": {key: draw.model_dump(exclude_none=True) for key, draw in campaign.disperse.items()},
         "versions": versions,
+        "marks": embedded([]),
         "campaign": {"seed": campaign.seed, "runs per point": campaign.runs, "points": campaign.points},
     }
     return interactive_page(TEMPLATE, book, content)

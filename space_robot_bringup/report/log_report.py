@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from space_robot_bringup.report.paper_report import write_whole
 from space_robot_bringup.report.scene import scene
 from space_robot_description.visual import look_of
 from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.interfaces import NANOSECONDS
 
 TEMPLATE = "log.html.j2"
 
@@ -52,6 +54,8 @@ def log_page(judged: JudgedLog) -> str:
         "figures": _figures(judged, book, troubles),
         "sections": _sections(judged, book),
         "provenance": _provenance(judged),
+        "events": _events(judged),
+        "marks": embedded([event.stamp / NANOSECONDS for event in judged.events]),
         "experiment": judged.header.experiment,
         "troubles": troubles,
         "playback_script": script("playback.js"),
@@ -111,6 +115,14 @@ def _figures(judged: JudgedLog, book: PlotBook, troubles: list[str]) -> list[dic
             "command": figure.command,
         }
         for figure in found
+    ]
+
+
+def _events(judged: JudgedLog) -> list[dict[str, Any]]:
+    """What was changed in flight, for people."""
+    return [
+        {"time": event.stamp / NANOSECONDS, "kind": event.kind, "content": json.dumps(dict(event.content), indent=1)}
+        for event in judged.events
     ]
 
 

@@ -1,6 +1,9 @@
 // Draws each plot when it comes into sight, and marks the time of the playback in all of them.
 "use strict";
 const PLOTS = JSON.parse(document.getElementById("plots").textContent);
+const MARKS = JSON.parse(document.getElementById("marks").textContent).map((time) => ({
+  type: "line", x0: time, x1: time, yref: "paper", y0: 0, y1: 1, line: {color: "#5b6670", width: 1, dash: "dot"},
+}));
 const LAYOUT = {
   height: 270, margin: {l: 60, r: 12, t: 10, b: 40}, hovermode: "x unified", paper_bgcolor: "#fff", plot_bgcolor: "#fff",
   font: {size: 12, color: "#1d2329", family: "system-ui, sans-serif"}, legend: {font: {size: 11}},
@@ -11,7 +14,7 @@ const drawn = [];
 function draw(place) {
   const figure = PLOTS[Number(place.dataset.plot)];
   const layout = {
-    ...LAYOUT, ...figure.layout,
+    ...LAYOUT, ...figure.layout, shapes: [...MARKS, ...(figure.layout.shapes || [])],
     xaxis: {...AXIS, title: {text: "time [s]"}, ...figure.layout.xaxis}, yaxis: {...AXIS, ...figure.layout.yaxis},
   };
   Plotly.newPlot(place, figure.data, layout, {responsive: true, displaylogo: false}).then(() => {

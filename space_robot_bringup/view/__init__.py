@@ -1,1 +1,1 @@
-"""A run in the browser, live from a log; the only importer of viser."""
+"""A log in the browser; the only importer of viser."""

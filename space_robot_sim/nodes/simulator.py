@@ -165,8 +165,12 @@ class SimulatorNode(ManagedNode):
 
     def _on_period(self) -> None:
         """Paced: one period of the steady clock has passed."""
-        if self._may_advance():
-            self._advance(self.commands.take_newest())
+        # As for messages: what goes wrong in a timer would be a traceback, and the others would not know.
+        try:
+            if self._may_advance():
+                self._advance(self.commands.take_newest())
+        except Exception as error:
+            self.fail(error)
 
     def _may_advance(self) -> bool:
         if not self.active or self.end_reason is not None or not self.started or self._steps_granted == 0:

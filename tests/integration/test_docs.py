@@ -32,7 +32,7 @@ KINDS = {
     "model": "payload",
 }
 # Pages whose commands need those before them.
-IN_ORDER = ("campaigns.md", "compare.md", "replay.md")
+IN_ORDER = ("campaigns.md", "compare.md", "replay.md", "view.md")
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -184,3 +184,18 @@ def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeyp
         with pytest.raises(SystemExit) as end:
             main()
         assert end.value.code == (1 if "--set" in line else 0), line
+
+
+def test_commands_of_the_page_on_seeing_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly and report, one run and a campaign; the viewer, which ends with Ctrl-C, is tried in test_browser.py."""
+    pytest.importorskip("plotly")
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("view.md") if line.startswith("space-robot") and " view " not in line]
+    assert len(lines) == 4
+    for line in lines:
+        monkeypatch.setattr(sys, "argv", shlex.split(line))
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 0, line
+    assert (tmp_path / "runs" / "fig08.html").is_file()
+    assert (tmp_path / "runs" / "mc.html").is_file()

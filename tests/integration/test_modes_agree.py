@@ -67,6 +67,18 @@ def test_the_three_modes_log_the_same_messages_twice(tmp_path: Path, overrides: 
             assert bag(other) == bag(truth), f"the file of {mode} differs from that of headless"
 
 
+def test_laws_that_take_turns_log_the_same_in_every_mode(tmp_path: Path) -> None:
+    """Switches of the schedule, with their events at the tick they act on, are in equal files."""
+    experiment = load_experiment("switch/mini", ["duration=60.0"])
+    for mode in ("headless", "graph", "processes"):
+        run_experiment(experiment, tmp_path / mode / "run", mode=mode)  # type: ignore[arg-type]
+    truth = bag(tmp_path / "headless" / "run")
+    told = [stamp for topic, stamp, _ in messages(tmp_path / "headless" / "run") if topic == "controller/events"]
+    assert told == [25_000_000_000, 50_000_000_000]
+    for mode in ("graph", "processes"):
+        assert bag(tmp_path / mode / "run") == truth, f"the file of {mode} differs from that of headless"
+
+
 def test_a_busy_machine_changes_no_bit(tmp_path: Path) -> None:
     """Timing is not an input: with a core burnt by somebody else the log is the same."""
     truth = fly(tmp_path / "quiet" / "run", "headless", ROUGH)

@@ -16,7 +16,8 @@ from std_srvs.srv import SetBool, Trigger
 
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
-from space_robot_msgs_py.interfaces import Tick
+from space_robot_msgs_py.errors import NonFiniteError
+from space_robot_msgs_py.interfaces import Command, PlantSample, Tick
 from space_robot_msgs_py.log_reader import LogReader
 from tests.integration.harness import Flight, flight
 from tests.replays import assert_equal
@@ -216,6 +217,23 @@ def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Pa
         assert set_parameters(robot, "simulator", realtime=1000.0).successful
         robot.spin_until(lambda: robot.simulator.end_reason, "the end of the run")
         assert robot.simulator.end_reason == "completed"
+
+
+def test_a_plant_that_fails_in_a_paced_run_says_so_to_everybody(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The run ends for all nodes with the reason, as in lock-step; no traceback out of a timer."""
+
+    def fail(command: Command | None) -> PlantSample:
+        raise NonFiniteError("not finite", key="state.joint_velocity")
+
+    with flight(tmp_path / "run", realtime=20.0) as robot:
+        robot.spin_until(lambda: robot.simulator.tick > 1, "a flight")
+        monkeypatch.setattr(robot.simulator._plant, "step", fail)
+        robot.spin_until(lambda: robot.recorder.end_reason, "the recorder to hear of the failure")
+        reason = "simulator: state.joint_velocity: not finite"
+        robot.spin_until(lambda: robot.nodes["controller"].end_reason == reason, "the controller to hear it too")
+        assert robot.recorder.end_reason == reason
 
 
 def _pairs(ticks: list[Tick], other: Path) -> list[tuple[Tick, Tick]]:

@@ -8,6 +8,7 @@ import random
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from space_robot_bringup.judged import read_judged
 from space_robot_bringup.report.log_report import write_log_report
 from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.log_writer import LogSink
 from tests.integration.tool import Tool, refused
@@ -109,6 +111,74 @@ def test_the_playback_stands_where_the_log_says(bag: Path, page: str) -> None:
     np.testing.assert_allclose(poses[:, 0], arrays.plant["true_configuration"][:, :7], atol=1e-6)
     assert all(0 <= part["body"] < scene["bodies"] for part in scene["parts"])
     assert len(scene["parts"]) == 7
+
+
+def test_what_was_changed_in_flight_is_told(bag: Path, tmp_path: Path) -> None:
+    """Gains changed and laws switched in flight stand on the page with their time, and are marked in the plots."""
+    reader = LogReader(bag)
+    sink = LogSink(tmp_path / "run", reader.header)
+    for tick in reader.ticks():
+        event = ControllerEvent(tick.stamp, "parameters", {"values": {"gains.kappa": 1.5}})
+        events = (event,) if tick.stamp == 5_000_000_000 else ()
+        sink.record(replace(tick, output=replace(tick.output, events=events)))
+    sink.close("completed")
+    write_log_report(tmp_path / "run", tmp_path / "run.html")
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    assert "Changed in flight" in own_markup(page)
+    assert "gains.kappa" in own_markup(page)
+    assert data_of(page, "marks") == [5.0]
+
+
+@pytest.mark.parametrize("name", ["song2023/pccs", "song2023/attitude_6_85", "giordano2023/sec5", "song2023/servicer"])
+def test_other_plants_and_robots_have_pages(tmp_path: Path, name: str) -> None:
+    """Testbeds, captured debris and free-flying robots are drawn and played, and belong to figures of their papers."""
+    bag = flown(tmp_path / "run", name, "duration=2.0", "expect={}")
+    judged = write_log_report(bag, tmp_path / "run.html")
+    assert judged.troubles == ()
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    scene = data_of(page, "scene")
+    assert isinstance(scene, dict)
+    assert scene["parts"]
+    assert "space-robot reproduce" in own_markup(page) or name == "song2023/servicer"
+
+
+STICKS = """<robot name="sticks"><link name="hull">{inertial}</link><link name="arm">{inertial}</link>
+<link name="hand">{inertial}</link>
+<joint name="a" type="revolute"><origin xyz="0.5 0 0"/><parent link="hull"/><child link="arm"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="b" type="prismatic"><origin xyz="0 0.7 0"/><parent link="arm"/><child link="hand"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+ROBOT = """
+name: sticks
+urdf: sticks.urdf
+base_mode: free_floating
+actuators: {joints: {effort: 1.0}, base_torque: {kind: ideal, limit: [1, 1, 1]}}
+"""
+FLIGHT = "{robot: sticks.yaml, control_period: 0.5, duration: 1.0, reference: {kind: step, attitude_deg: [5, 0, 0]}}"
+
+
+def test_a_robot_without_visuals_is_drawn_as_sticks(space_robot: Tool, tmp_path: Path) -> None:
+    """A URDF that says nothing of its looks is played as sticks between its joints, prismatic ones too."""
+    (tmp_path / "sticks.urdf").write_text(STICKS.format(inertial=INERTIAL))
+    (tmp_path / "sticks.yaml").write_text(ROBOT)
+    (tmp_path / "flight.yaml").write_text(FLIGHT)
+    space_robot("run", "flight.yaml", "--out", "bag")
+    assert space_robot("report", "bag").returncode == 0
+    scene = data_of((tmp_path / "bag.html").read_text(encoding="utf-8"), "scene")
+    assert isinstance(scene, dict)
+    assert [part["body"] for part in scene["parts"]] == [0, 1]
+    np.testing.assert_allclose(unpacked(scene["axes"]).reshape(-1, 3), [[0, 0, 1], [0, 1, 0]], atol=1e-7)
+
+
+def test_run_can_show_what_it_flew(space_robot: Tool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """``run --view`` flies, prints the verdict, then serves the log at the port asked for."""
+    shown = []
+    monkeypatch.setattr("space_robot_bringup.cli.show_log", lambda log, **options: shown.append((str(log), options)))
+    done = space_robot("run", "liu2023/fig08", "--out", "bag", "--view", "--port", "9000", "--no-browser")
+    assert done.returncode == 0
+    assert "PASS" in done.stdout
+    assert shown == [("bag", {"port": 9000, "open_browser": False})]
 
 
 @pytest.mark.slow

@@ -329,7 +329,7 @@ def test_without_the_drawing_libraries_it_says_what_to_install(
     """Without matplotlib or jinja2 nothing is flown and the extra is named."""
     write(tmp_path)
     monkeypatch.setitem(sys.modules, "jinja2", None)
-    for name in ("page", "paper_report"):
+    for name in ("html", "page", "paper_report"):
         monkeypatch.delitem(sys.modules, f"space_robot_bringup.report.{name}", raising=False)
     refused(space_robot("reproduce", "paper.yaml"), "jinja2", "space-robot[viz]")
     assert not (tmp_path / "out").exists()
