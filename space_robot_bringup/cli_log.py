@@ -72,7 +72,7 @@ def replay(
     order = Order(against, tolerance, set_ or (), experiment, namespace)
     done = []
     for bag in bags:
-        one = replay(bag, order)
+        one = replay(bag, order, lambda line: None if as_json else err.print(line))
         done.append(one)
         if not as_json:
             show.print_replayed(out, one)
