@@ -60,7 +60,7 @@ def replay(
     from space_robot_bringup.replay.publish import PublishOrder
     from space_robot_bringup.replay.references import refly
 
-    tolerance = Tolerance(rtol, atol, tuple(ignore or ()))
+    tolerance = Tolerance(rtol, atol, tuple(name.lstrip("/") for name in ignore or ()))
     if publish:
         if as_json or set_ or experiment or update_refs or against != "both":
             key = "--against, --set, --experiment, --update-refs, --json"

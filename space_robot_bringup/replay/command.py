@@ -71,6 +71,6 @@ def replay(bag: Path, order: Order, say: Callable[[str], None] = lambda line: No
     """
     recording = open_recording(bag, experiment=order.experiment, overrides=order.overrides, namespace=order.namespace)
     spec = recording.composition.experiment.controller
-    if line := notice([spec.law], plant=order.against != "controller"):
+    if line := notice(spec.law_names, plant=order.against != "controller"):
         say(line)
     return Replayed(recording, tuple(side(recording, order.tolerance) for side in SIDES[order.against]))
