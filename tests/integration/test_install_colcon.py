@@ -14,7 +14,7 @@ pytest.importorskip("rclpy")
 from space_robot_bringup.graph import reserved_domain
 from space_robot_msgs_py.log_reader import LogReader
 
-pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("install")]
+pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("colcon")]
 
 # Setuptools of Ubuntu 24.04, with which Jazzy is built.
 TOOLS = ["colcon-core>=0.18,<1", "colcon-ros>=0.5,<1", "colcon-python-setup-py>=0.2.9,<1", "setuptools==68.1.2"]

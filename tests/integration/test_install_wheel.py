@@ -22,7 +22,7 @@ from rclpy.node import Node
 
 from space_robot_bringup.graph import local_context, make_executor, reserved_domain
 
-pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("install")]
+pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("wheel")]
 
 DEADLINE = 90.0
 PACKAGES = [f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup")]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import os
+import shlex
 import sys
+import tomllib
 import zipfile
 from xml.etree import ElementTree
 
@@ -59,6 +61,15 @@ def test_package_xml_names_every_ros_package_that_is_used(monkeypatch: pytest.Mo
     assert "rclpy" in imported
     assert imported & known <= declared
     assert {topic.type.split("/")[0] for topic in TABLE} <= declared
+
+
+def test_the_workspace_instructions_name_every_other_dependency() -> None:
+    """What rosdep cannot bring is in the page's pip line, as it is in pyproject; Pinocchio and numpy rosdep brings."""
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    others = {name for name in declared if not name.startswith(("pin>", "numpy>"))}
+    page = (ROOT / "docs" / "ros2.md").read_text().splitlines()
+    (line,) = (line for line in page if line.startswith("pip install 'numba"))
+    assert set(shlex.split(line)[2:]) == others | {"numpy>=1.26,<2"}
 
 
 def _modules(node: ast.AST) -> list[str]:

@@ -22,7 +22,7 @@ from space_robot_msgs_py.log_reader import LogReader
 from tests.integration.follow import await_ticks, ticks_in
 
 pytest.importorskip("rclpy")
-pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.netns, pytest.mark.xdist_group("graph")]
+pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.netns, pytest.mark.xdist_group("hosts")]
 
 ADDRESSES = {"flight": "10.231.77.1", "ground": "10.231.77.2"}
 ROLES = {"recorder": "flight", "simulator": "flight", "guidance": "ground", "controller": "ground"}
@@ -136,7 +136,7 @@ def fly(hosts: TwoHosts, run: Path, ticks: int, *options: str) -> tuple[int, int
 
 def test_lock_step_waits_for_the_link_and_loses_nothing(hosts: TwoHosts, tmp_path: Path) -> None:
     """A run stands still while the link is down and leaves the same file as the loop without ROS."""
-    long = "duration=2000.0"
+    long = "duration=1000.0"
     amid, late = fly(hosts, tmp_path / "run", 100, "--set", long)
     assert amid == late
     run_experiment(load_experiment(EXPERIMENT, [*OVERRIDES, long]), tmp_path / "alone", mode="headless")
