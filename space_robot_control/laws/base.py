@@ -125,6 +125,11 @@ class Law(Tunable, ABC):
         self._layout = None
         self.tell_anew()
 
+    def start_anew(self) -> None:
+        """Reset in flight, because states passed that nobody answered; the next output tells it."""
+        self.reset()
+        self.tell("reset", {})
+
     def resume(self) -> None:
         """Get ready to answer again after states that others answered; by default like the first of a run."""
         self.reset()
