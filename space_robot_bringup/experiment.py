@@ -82,12 +82,12 @@ class Experiment(Strict):
     experiment, the robot file's content.
     """
 
-    title: str = ""
+    title: str = Field(default="", description="what this is, in one line")
     source: str = Field(default="", description="paper and figure this reproduces")
     robot: str | dict[str, Any]
     control_period: PositiveFloat = Field(description="[s]")
     duration: PositiveFloat = Field(description="[s], a multiple of the control period")
-    seed: NonNegativeInt = 0
+    seed: NonNegativeInt = Field(default=0, description="of noise and dispersion")
     initial: Initial = Field(default_factory=Initial)
     reference: ReferenceSpec
     controller: ControllerSpec = Field(default_factory=ControllerSpec)

@@ -35,7 +35,7 @@ def parameter_rows(model: BaseModel, prefix: str = "", *, dynamic: bool = False)
             yield from parameter_rows(value, f"{prefix}{key}.", dynamic=may_change)
             continue
         lower, upper = _bounds(Annotated[info.annotation, *info.metadata] if info.metadata else info.annotation)
-        yield ParameterRow(f"{prefix}{key}", plain[key], info.description or "", may_change, lower, upper)
+        yield ParameterRow(f"{prefix}{key}", plain[key], info.description or _said_of(model), may_change, lower, upper)
 
 
 def changed(model: Model, changes: Mapping[str, Any], where: str) -> Model:
@@ -64,6 +64,11 @@ def changed(model: Model, changes: Mapping[str, Any], where: str) -> Model:
             place = place[section]
         place[last] = value
     return validate(type(model), data, where)
+
+
+def _said_of(model: BaseModel) -> str:
+    """What tells the members of a union apart is explained by the member it stands for."""
+    return (type(model).__doc__ or "").partition("\n")[0]
 
 
 def _bounds(annotation: Any) -> tuple[float | None, float | None]:

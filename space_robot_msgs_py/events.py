@@ -40,6 +40,8 @@ class ControllerEvent:
         try:
             content = json.loads(line)
             stamp, kind = content.pop("stamp"), content.pop("kind")
+            # Python reads NaN and 1e999, which no JSON may have.
+            json.dumps(content, allow_nan=False)
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             raise LayoutError(f"not an event ({error})", key="controller/events", value=line[:80]) from None
         if type(stamp) is not int or stamp < 0 or not isinstance(kind, str):

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
-from space_robot_msgs_py.codecs import CommandCodec
+from space_robot_msgs_py.codecs import CommandCodec, encode_string
 from space_robot_msgs_py.interfaces import Command
-from space_robot_msgs_py.topics import JOINT_COMMAND, WRENCH_COMMAND
+from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS, JOINT_COMMAND, WRENCH_COMMAND
 from tests.integration.harness import Flight, flight
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -82,6 +83,16 @@ def test_garbage_on_the_wire_is_counted_and_moves_nothing(tmp_path: Path) -> Non
         robot.spin_until(lambda: robot.simulator.commands.counts["malformed"] == 1, "the garbage to be counted")
         assert robot.simulator.tick == 0
         assert robot.simulator.failure is None
+
+
+@pytest.mark.parametrize("text", ["no event", '{"stamp": 17, "kind": "a"}', '{"stamp": 0, "kind": "a", "x": NaN}'])
+def test_an_odd_event_is_not_recorded(tmp_path: Path, text: str) -> None:
+    """What a stranger says on controller/events that is none, or of no tick, is counted; the run and its log go on."""
+    with flight(tmp_path / "run", "duration=20.0", realtime=0.001) as robot:
+        robot.say(CONTROLLER_EVENTS, encode_string(text))
+        robot.spin_until(lambda: robot.recorder.malformed == 1, "the odd event to be counted")
+        assert robot.recorder.failure is None
+    assert "controller/events" not in {name for name, _, _ in LogReader(tmp_path / "run").messages()}
 
 
 def test_a_stranger_cannot_derail_a_controlled_run(tmp_path: Path) -> None:

@@ -32,6 +32,7 @@ NO_EVENTS = (
     *("", "no JSON", "[1]", "[" * 10_000),
     *('{"kind": "switch"}', '{"stamp": 1}', '{"stamp": -1, "kind": "a"}'),
     *('{"stamp": 1.5, "kind": "a"}', '{"stamp": true, "kind": "a"}', '{"stamp": 1, "kind": 2}'),
+    *('{"stamp": 1, "kind": "a", "values": NaN}', '{"stamp": 1, "kind": "a", "values": [1e999]}'),
     *('{"stamp": 1, "kind": "a"}\n{"stamp": 2, "kind": "a"}', '{"stamp": 1, "kind": "a"}\n'),
 )
 

@@ -1,0 +1,39 @@
+"""Values on their way to ROS and back."""
+
+from __future__ import annotations
+
+from array import array
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+from rclpy.parameter import Parameter
+
+from space_robot_description.validation import parse_yaml_value
+from space_robot_msgs_py.nodes.parameters import LONGEST, from_ros, to_ros
+
+pytestmark = pytest.mark.ros
+
+
+@pytest.mark.parametrize(
+    "value",
+    [True, 3, 0.1, "text", [1.0, 2.0], ["a", "b"], [True, False], None, [], {}, {"joint": 0.5}, [{"time": 1.0}]],
+)
+def test_a_value_comes_back_as_it_was(value: Any) -> None:
+    """Through the message of ROS; what has no type there is text that YAML reads as the same value."""
+    shown = Parameter("name", value=to_ros(value))
+    back = from_ros(Parameter.from_parameter_msg(shown.to_parameter_msg()).value)
+    assert back == value or parse_yaml_value(back, "name") == value
+
+
+def test_arrays_are_plain_lists() -> None:
+    """Whole numbers among others become what the others are, and what ROS gives as an array is a list."""
+    assert to_ros([1, 2.5]) == [1.0, 2.5]
+    assert from_ros(array("d", [1.0, 2.0])) == [1.0, 2.0]
+
+
+def test_long_values_are_not_spelt_out() -> None:
+    """A recorded reference says how many numbers it has, a long text is cut."""
+    assert to_ros([0.0] * LONGEST) == f"{LONGEST} numbers"
+    assert len(to_ros({"key": "x" * 3 * LONGEST})) <= LONGEST + 3
