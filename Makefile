@@ -7,14 +7,14 @@ OUT ?= out/demo
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 
-.PHONY: demo test check golden bench studies clean
+.PHONY: help demo test check golden bench studies clean
 .DEFAULT_GOAL := help
 
 help:
-	@echo "make demo    fly two tasks in the ROS 2 graph; leaves bags and pictures in $(OUT)"
+	@echo "make demo    fly two tasks in the ROS 2 graph; leaves bags and their pages in $(OUT)"
 	@echo "make test    the whole test suite with ruff, mypy and the import test"
 	@echo "make check   ruff and mypy only"
-	@echo "make studies every figure and table of the three papers and the comparison of the laws; leaves pages in out/studies"
+	@echo "make studies every figure and table of the three papers, and the laws compared; leaves pages in out/studies"
 	@echo "make golden  fly the reference logs of the tests again, and say what is different"
 	@echo "make bench   speed of the plant, the loop, the graph and the log"
 
@@ -36,7 +36,8 @@ demo: $(VENV)/.run
 	$(BIN)/space-robot run liu2023/fig08 --mode graph --out $(OUT)/fig08
 	$(BIN)/space-robot run point_to_point/ur5_sat --mode graph --out $(OUT)/ur5_sat
 	$(BIN)/space-robot plot $(OUT)/fig08
-	$(BIN)/space-robot plot $(OUT)/ur5_sat
+	$(BIN)/space-robot report $(OUT)/fig08
+	$(BIN)/space-robot report $(OUT)/ur5_sat
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

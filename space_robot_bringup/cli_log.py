@@ -60,8 +60,11 @@ def replay(
     from space_robot_bringup.replay.publish import PublishOrder
     from space_robot_bringup.replay.references import refly
 
-    tolerance = Tolerance(rtol, atol, tuple(ignore or ()))
+    tolerance = Tolerance(rtol, atol, tuple(name.lstrip("/") for name in ignore or ()))
     if publish:
+        if as_json or set_ or experiment or update_refs or against != "both":
+            key = "--against, --set, --experiment, --update-refs, --json"
+            raise SpecError("means nothing to --publish", key=key, accepted="--publish without it")
         _publish(bags, PublishOrder(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
         return
     if rate is not None or paused or loop or topics or role != "state":
@@ -69,7 +72,7 @@ def replay(
     order = Order(against, tolerance, set_ or (), experiment, namespace)
     done = []
     for bag in bags:
-        one = replay(bag, order)
+        one = replay(bag, order, lambda line: None if as_json else err.print(line))
         done.append(one)
         if not as_json:
             show.print_replayed(out, one)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pydantic import Field, NonNegativeFloat
@@ -76,3 +76,9 @@ def start_from(options: Mapping[str, Any], given: Mapping[str, Any]) -> Start:
     # What is no start option is a key of the experiment, which refuses what it does not know.
     overrides = [*overrides_from(rest), *validate(Start, own, "parameter").set, *options["set"]]
     return validate(Start, own | {"set": overrides}, "parameter")
+
+
+def split_ros_arguments(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Ours, and those from ``--ros-args`` on, which rclpy reads."""
+    split = arguments.index("--ros-args") if "--ros-args" in arguments else len(arguments)
+    return list(arguments[:split]), list(arguments[split:])

@@ -118,7 +118,7 @@ class Channels:
 
 def _mcap_files(path: Path) -> tuple[Path, ...]:
     if path.is_file():
-        return (path,) if path.suffix == ".mcap" or not path.suffix else ()
+        return () if path.suffix in (".db3", ".zstd") else (path,)
     if not path.is_dir():
         raise InputFileError("no such bag", key=str(path), accepted="a bag directory or an .mcap file")
     files = sorted(path.glob("*.mcap"), key=_natural)

@@ -45,7 +45,7 @@ class BagMerger:
         self.nameless = 0
         self.damage: list[Damage] = []
         self.first = self.last = 0
-        self._missing: Counter[str] = Counter()
+        self._sequences: dict[tuple[Path, int], tuple[str, int, int, int]] = {}
         self._counted: Counter[str] = Counter()
         self._header = Header("ros2", "")
         self._channels: dict[str, tuple[Channel, Schema]] = {}
@@ -61,7 +61,6 @@ class BagMerger:
             _add(writer, record_bytes(self._header))
             announced = False
             for file in self._bag.files:
-                expected: dict[int, int] = {}
                 for item in salvage(file):
                     if isinstance(item, Damage):
                         self.damage.append(item)
@@ -69,7 +68,7 @@ class BagMerger:
                         if not announced:
                             self._announce(writer)
                             announced = True
-                        self._copy(writer, file, item, expected)
+                        self._copy(writer, file, item)
                     elif self._is_kept(item, file):
                         writer.add(item.opcode, item.content)
             writer.finish()
@@ -85,8 +84,11 @@ class BagMerger:
 
     def lost(self) -> dict[str, int]:
         """Messages by topic that are known to be missing, from the old statistics or from gaps in the numbers."""
+        missing: Counter[str] = Counter()
+        for topic, first, last, count in self._sequences.values():
+            missing[topic] += max(0, last - first + 1 - count)
         known = {topic: count - self.kept[topic] for topic, count in self._counted.items()}
-        return {topic: count for topic, count in (self._missing | known).items() if count > 0}
+        return {topic: count for topic, count in (missing | known).items() if count > 0}
 
     def _learn(self, file: Path) -> None:
         channels = self._by_file[file] = Channels(str(file))
@@ -103,7 +105,10 @@ class BagMerger:
                 headed = parse(Metadata.read, item.content, str(file)).name == METADATA_NAME
                 self._header = Header("ros2", LIBRARY) if headed else self._header
             elif item.opcode == Opcode.STATISTICS:
-                statistics = parse(Statistics.read, item.content, str(file))
+                found = parse(Statistics.read, item.content, str(file))
+                # A damaged count would be reported as a loss.
+                consistent = found.message_count == sum(found.channel_message_counts.values())
+                statistics = found if consistent else None
         for number, channel in channels.channels.items():
             schema = channels.schemas.get(channel.schema_id)
             if schema is not None:
@@ -123,7 +128,7 @@ class BagMerger:
             of = schemas[schema.name, schema.data]
             _add(writer, record_bytes(Channel(number, topic, channel.message_encoding, channel.metadata, of)))
 
-    def _copy(self, writer: IndexedWriter, file: Path, record: Record, expected: dict[int, int]) -> None:
+    def _copy(self, writer: IndexedWriter, file: Path, record: Record) -> None:
         channel, sequence, time, published = MESSAGE.unpack_from(record.content)
         topic = self._by_file[file].name(channel)[0]
         number = self._numbers.get(topic)
@@ -131,9 +136,9 @@ class BagMerger:
             self.nameless += 1
             return
         # Other tools may begin anywhere; whoever numbers nothing has no gaps.
-        before = expected.get(channel, 0 if self._header.library == LIBRARY else sequence)
-        self._missing[topic] += max(0, sequence - before)
-        expected[channel] = sequence + 1
+        begun = 0 if self._header.library == LIBRARY else sequence
+        _, first, _, count = self._sequences.get((file, channel), (topic, begun, 0, 0))
+        self._sequences[file, channel] = (topic, first, sequence, count + 1)
         head = MESSAGE.pack(number, self.kept[topic], time, published)
         writer.add(Opcode.MESSAGE, head + record.content[MESSAGE.size :])
         if not self.kept:

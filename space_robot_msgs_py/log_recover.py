@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 from space_robot_msgs_py.bag import Bag, intact
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.log_directory import METADATA_FILE, prepare_directory, write_metadata_yaml
+from space_robot_msgs_py.log_directory import BAG_SUFFIX, METADATA_FILE, prepare_directory, write_metadata_yaml
 from space_robot_msgs_py.log_merge import BagMerger
 from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.mcap_salvage import Damage
@@ -68,17 +67,34 @@ def recover(source: Path | str, target: Path) -> Recovery:
     if any(file.resolve().parent == target.resolve() for file in bag.files):
         raise LogError("is the place of the damaged bag", key=str(target), accepted="another directory")
     merger = BagMerger(bag)
-    path = prepare_directory(target)
-    with _removed_on_failure(path):
-        merger.write(path)
-        if not sum(merger.kept.values()):
-            raise LogError("no message can be recovered", key=str(source))
-        reason, complaint = _reread(path, sum(merger.kept.values()))
-        custom = {"recovered_from": bag.files[0].name, "end_reason": reason or CUT}
-        span = {"first_stamp": merger.first, "last_stamp": merger.last}
-        write_metadata_yaml(path, merger.topics(), custom=custom, **span)
+    try:
+        # What is in the target stays until there is something better.
+        place = target.resolve()
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=f".{place.name}.", dir=place.parent) as scratch:
+            draft = Path(scratch) / f"{place.name}{BAG_SUFFIX}"
+            reason, complaint = _write(merger, draft, str(source))
+            path = prepare_directory(target)
+            draft.replace(path)
+            draft.with_name(METADATA_FILE).replace(path.with_name(METADATA_FILE))
+    except LogError:
+        raise
+    except OSError as error:
+        raise LogError(f"cannot be recovered: {error.strerror or error}", key=str(target)) from None
     lost, damage = merger.lost(), tuple(merger.damage)
     return Recovery(path, dict(merger.kept), lost, merger.nameless, damage, merger.last, reason, complaint)
+
+
+def _write(merger: BagMerger, path: Path, source: str) -> tuple[str | None, str]:
+    """Write bag and description; return the reason of the end and why it is no log of ours."""
+    merger.write(path)
+    if not merger.kept:
+        raise LogError("no message can be recovered", key=source)
+    reason, complaint = _reread(path, sum(merger.kept.values()))
+    custom = {"recovered_from": Path(source).name, "end_reason": reason or CUT}
+    span = {"first_stamp": merger.first, "last_stamp": merger.last}
+    write_metadata_yaml(path, merger.topics(), custom=custom, **span)
+    return reason, complaint
 
 
 def _reread(path: Path, expected: int) -> tuple[str | None, str]:
@@ -93,16 +109,3 @@ def _reread(path: Path, expected: int) -> tuple[str | None, str]:
         return reader.end_reason, ""
     except LogError as error:
         return None, error.message
-
-
-@contextmanager
-def _removed_on_failure(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except BaseException as error:
-        path.unlink(missing_ok=True)
-        path.with_name(METADATA_FILE).unlink(missing_ok=True)
-        path.parent.rmdir()
-        if isinstance(error, OSError) and not isinstance(error, LogError):
-            raise LogError(f"cannot be recovered: {error.strerror or error}", key=str(path)) from None
-        raise

@@ -5,13 +5,14 @@ from __future__ import annotations
 import mmap
 import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Schema
+from mcap.records import Channel, Chunk, Header, Metadata, Schema, Statistics
 
 from space_robot_msgs_py.errors import InputFileError, LogError
 from space_robot_msgs_py.mcap_chunks import unpack_beginning, unpack_chunk
@@ -23,9 +24,13 @@ _CANDIDATE = re.compile(rb"(?=[\x01-\x0f][\x00-\xff]{4}\x00{4})", re.DOTALL)
 # So many records in a row have to make sense before the place is believed to be the start of one.
 _CHAIN = 3
 _SMALLEST = {int(Opcode.MESSAGE): MESSAGE.size, int(Opcode.CHUNK): 40, int(Opcode.FOOTER): 20}
-_PARSED = {int(Opcode.SCHEMA): Schema.read, int(Opcode.CHANNEL): Channel.read}
-
-
+_PARSED: dict[int, Callable[[ReadDataStream], object]] = {
+    int(Opcode.HEADER): Header.read,
+    int(Opcode.SCHEMA): Schema.read,
+    int(Opcode.CHANNEL): Channel.read,
+    int(Opcode.METADATA): Metadata.read,
+    int(Opcode.STATISTICS): Statistics.read,
+}
 CUT = "cut within a record"
 
 

@@ -116,7 +116,8 @@ def bag_info(path: Path) -> BagInfo:
         types.setdefault(item.topic, item.type)
         times.setdefault(item.topic, array("Q")).append(item.time)
     topics = tuple(_topic(name, types[name], stamps) for name, stamps in times.items())
-    size = sum(file.stat().st_size for file in (bag.files or [f for f in path.rglob("*") if f.is_file()]))
+    files = [path] if path.is_file() else [file for file in path.iterdir() if file.is_file()]
+    size = sum(file.stat().st_size for file in files)
     provenance, versions, reason, verdict = _ours(bag)
     return BagInfo(path, size, topics, provenance, versions, reason, tuple(damage), verdict)
 

@@ -27,7 +27,7 @@ from space_robot_bringup.graph import (
     raise_bug,
     spin,
 )
-from space_robot_bringup.start import Start, parser, start_from
+from space_robot_bringup.start import Start, parser, split_ros_arguments, start_from
 from space_robot_bringup.stopping import StopFlag
 from space_robot_description.fields import parameter_rows
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -44,7 +44,7 @@ POLL_SECONDS = 0.05
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one node until the run ends. Returns 0, 1 where the node failed, 2 on bad input."""
-    own, ros = _split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
+    own, ros = split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
     options = parser().parse_args(own)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         try:
@@ -77,12 +77,6 @@ def _node(role: str, start: Start, composition: Composition, context: Context) -
     if start.autostart:
         bring_up([node])
     return node
-
-
-def _split_ros_arguments(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Ours, and those from ``--ros-args`` on, which rclpy reads."""
-    split = arguments.index("--ros-args") if "--ros-args" in arguments else len(arguments)
-    return arguments[:split], arguments[split:]
 
 
 def _spin(node: GraphNode, stop: StopFlag, progress: Callable[[GraphNode], None] | None) -> int:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from space_robot_bringup.compiling import notice
 from space_robot_bringup.replay.comparison import EXACT, Tolerance
 from space_robot_bringup.replay.controller import replay_controller
 from space_robot_bringup.replay.outcome import Outcome
@@ -57,11 +58,19 @@ class Replayed:
         return all(outcome.equal for outcome in self.outcomes)
 
 
-def replay(bag: Path, order: Order) -> Replayed:
+def replay(bag: Path, order: Order, say: Callable[[str], None] = lambda line: None) -> Replayed:
     """Compute one recorded run again.
+
+    Args:
+        bag: of any tool.
+        order: what to do with it.
+        say: told what has to be compiled first, which takes a while.
 
     Raises:
         SpaceRobotError: the bag or the order cannot be used.
     """
     recording = open_recording(bag, experiment=order.experiment, overrides=order.overrides, namespace=order.namespace)
+    spec = recording.composition.experiment.controller
+    if line := notice(spec.law_names, plant=order.against != "controller"):
+        say(line)
     return Replayed(recording, tuple(side(recording, order.tolerance) for side in SIDES[order.against]))

@@ -123,6 +123,8 @@ class Comparison:
             self._note((topic.name, "layout"), Divergence(topic.name, stamp, "layout", str(error), "fits"))
             return
         fresh = self._fields.blocks(topic, now)
+        if self._tolerance.exact and recorded.keys() == fresh.keys():
+            self.event(topic.name, stamp, "order of blocks", ", ".join(recorded), ", ".join(fresh))
         for block in dict.fromkeys((*recorded, *fresh)):
             if f"{topic.name}/{block}" in self._ignored_topics:
                 continue
@@ -135,14 +137,18 @@ class Comparison:
         if was is None or now is None or was.size != now.size:
             sizes = [None if block is None else f"{block.size} numbers" for block in (was, now)]
             return Divergence(topic.name, stamp, block, *sizes)
-        if self._tolerance.exact:
-            off = was.view(np.int64) != now.view(np.int64)
-        else:
-            allowed = self._tolerance.atol + self._tolerance.rtol * np.max(np.abs(was), initial=0.0)
-            off = ~(np.abs(now - was) <= allowed)
+        with np.errstate(all="ignore"):
+            distance = np.nan_to_num(np.abs(now - was), nan=np.inf)
+            if self._tolerance.exact:
+                off = was.view(np.int64) != now.view(np.int64)
+            else:
+                # A number that is not finite is never close to one that is.
+                finite = np.isfinite(was)
+                scale = np.max(np.abs(was), where=finite, initial=0.0)
+                off = ~finite | (distance > self._tolerance.atol + self._tolerance.rtol * scale)
         if not off.any():
             return None
-        index = int(np.argmax(np.where(off, np.nan_to_num(np.abs(now - was), nan=np.inf), -1.0)))
+        index = int(np.argmax(np.where(off, distance, -1.0)))
         name = self._fields.name(topic, block, index, was.size)
         return Divergence(topic.name, stamp, name, float(was[index]), float(now[index]))
 

@@ -11,7 +11,7 @@ from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.log_arrays import Row
 from space_robot_msgs_py.topics import BASE_ODOM, Topic
 
-# Beyond, a stamp cannot be one of a run: it is a time since 1970, and the run is taken to begin at its first state.
+# Beyond, a stamp is no time of a run but one since 1970; telemetry cannot hold it either.
 LONGEST_RUN = 1 << 53
 
 
@@ -30,8 +30,8 @@ def foreign_rows(bag: Bag, joint_names: Sequence[str], namespace: str = "") -> t
     """
     names = {_absolute(topic, namespace): topic for topic in LOGGED}
     table: dict[int, dict[str, bytes]] = {}
-    canonical, refused, seen = TopicBytes(joint_names), Counter[str](), set[str]()
-    why = ""
+    canonical, seen = TopicBytes(joint_names), set[str]()
+    refused, twice, why = Counter[str](), Counter[str](), ""
     for message in intact(bag.messages(), str(bag.path)):
         seen.add(message.topic)
         topic = names.get(message.topic)
@@ -44,24 +44,17 @@ def foreign_rows(bag: Bag, joint_names: Sequence[str], namespace: str = "") -> t
             why = why or str(error)
             continue
         parts = table.setdefault(stamp, {})
-        refused[f"{topic.name}, whose stamp came before,"] += topic.name in parts
+        twice[topic.name] += topic.name in parts
         parts.setdefault(topic.name, data)
     if not table:
         raise _nothing(bag, namespace, seen)
-    remarks = [f"{count} messages on {name} were left out" for name, count in refused.items() if count]
     rows = sorted(table.items())
-    return _from_zero(rows, remarks), remarks + ([f"the first of them: {why}"] if why else [])
-
-
-def _from_zero(rows: list[Row], remarks: list[str]) -> list[Row]:
-    """Wall times are refused with a reason; stamps of a run are left as they are."""
     if rows[-1][0] >= LONGEST_RUN:
-        raise LogError(
-            "its stamps are no times of a run", key=BASE_ODOM.name, value=rows[-1][0], accepted="ns since its start"
-        )
-    if rows[0][0]:
-        remarks.append(f"it begins at {rows[0][0]} ns")
-    return rows
+        accepted = "ns since the start of the run"
+        raise LogError("its stamps are no times of a run", key=str(bag.path), value=rows[-1][0], accepted=accepted)
+    remarks = [f"{count} messages on {name} cannot be read ({why})" for name, count in refused.items()]
+    remarks += [f"{count} stamps came twice on {name}: the first counts" for name, count in twice.items() if count]
+    return rows, remarks
 
 
 def _absolute(topic: Topic, namespace: str) -> str:

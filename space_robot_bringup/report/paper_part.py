@@ -44,14 +44,15 @@ class PaperFigure:
 
 
 def paper_figures(judged: JudgedLog) -> list[PaperFigure]:
-    """The figures a run belongs to, those its ``source`` names before all others; none for a run of no paper."""
+    """The figures a run belongs to, those its ``source`` names, else all that fly it; none for a run of no paper."""
     experiment, composition = judged.experiment, judged.composition
     if experiment is None or composition is None or not experiment.source:
         return []
     if "true_configuration" not in judged.arrays.plant:
         return []
     found = list(_belonging(experiment))
-    named = [one for one in found if re.search(rf"(?<![\w.-]){re.escape(one[2])}(?![\w-])", experiment.source)]
+    chosen = [one for one in found if _names(experiment.source, one[2])]
+    chosen = chosen or [one for one in found if one[3].kind == "paper"] or found
     signals = Signals(judged.arrays, composition)
     return [
         PaperFigure(
@@ -62,8 +63,14 @@ def paper_figures(judged: JudgedLog) -> list[PaperFigure]:
             claims=figure.claims,
             command=shlex.join(["space-robot", "reproduce", paper, "--figure", name]),
         )
-        for paper, manifest, name, figure in named or found
+        for paper, manifest, name, figure in chosen
     ]
+
+
+def _names(source: str, figure: str) -> bool:
+    """Whether a source such as ``Author 2023, Fig. 1`` names a figure; parts of one, 1a and 1b, are named with it."""
+    whole = re.sub(r"(?<=\d)[a-z]$", "", figure)
+    return any(re.search(rf"(?<![\w.-]){re.escape(name)}(?![\w-])", source) for name in (figure, whole))
 
 
 def _belonging(experiment: Experiment) -> Iterator[tuple[str, Manifest, str, Figure]]:

@@ -12,7 +12,7 @@ from space_robot_bringup.report.curves import PALETTE
 from space_robot_bringup.report.plots import packed
 from space_robot_bringup.verdict import PLANT_BOUNDS
 
-# More points than this hide each other: only those far out are drawn.
+# Of more points per box some are drawn, evenly by size and the ends among them: the box stays where it is.
 MOST_POINTS = 400
 Rows = Sequence[Mapping[str, Any]]
 
@@ -33,7 +33,7 @@ def spread_figures(groups: Mapping[str, Rows]) -> dict[str, dict[str, Any]]:
         if traces:
             figures[f"{field} by axis"] = _figure(traces, legend=len(groups) > 1)
     for field in [name for name in PER_RUN if name not in PLANT_BOUNDS]:
-        columns = {name: _column(rows, field) for name, rows in groups.items()}
+        columns = {name: _thinned(*_column(rows, field)) for name, rows in groups.items()}
         if any(values.size and np.ptp(values) > 0.0 for values, _ in columns.values()):
             traces = [
                 _box(values, [name] * values.size, indices, name, PALETTE[index % len(PALETTE)])
@@ -48,7 +48,7 @@ def _per_axis(field: str, name: str, rows: Rows, color: str) -> dict[str, Any] |
     axes = dict.fromkeys(key.removesuffix(f".{field}") for row in rows for key in row if key.endswith(f".{field}"))
     values, places, indices = [], list[str](), list[int]()
     for axis in axes:
-        found, cases = _column(rows, f"{axis}.{field}")
+        found, cases = _thinned(*_column(rows, f"{axis}.{field}"))
         values.append(found)
         places += [axis] * found.size
         indices += cases
@@ -61,6 +61,15 @@ def _column(rows: Rows, name: str) -> tuple[Any, list[int]]:
     return np.array([row[name] for row in there], dtype=float), [row["index"] for row in there]
 
 
+def _thinned(values: Any, indices: list[int]) -> tuple[Any, list[int]]:
+    """At most MOST_POINTS of the numbers, evenly by size, with their cases."""
+    if values.size <= MOST_POINTS:
+        return values, indices
+    order = np.argsort(values, kind="stable")
+    kept = np.sort(order[np.linspace(0, values.size - 1, MOST_POINTS).round().astype(int)])
+    return values[kept], [indices[place] for place in kept]
+
+
 def _box(values: Any, places: list[str], indices: list[int], name: str, color: str) -> dict[str, Any]:
     return {
         "type": "box",
@@ -68,7 +77,7 @@ def _box(values: Any, places: list[str], indices: list[int], name: str, color: s
         "x": places,
         "y": packed(values, "f8"),
         "text": [f"case {index}" for index in indices],
-        "boxpoints": "all" if values.size <= MOST_POINTS * len(set(places)) else "suspectedoutliers",
+        "boxpoints": "all",
         "jitter": 0.5,
         "pointpos": 0,
         "marker": {"color": color, "size": 4, "opacity": 0.6},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import viser
@@ -22,7 +23,7 @@ class Panel:
         end: of the run [s].
         title: of the run.
         about: a line or two on the run, as Markdown.
-        switches: label to whatever has ``visible``.
+        switches: label to what is told when it is switched on or off.
     """
 
     def __init__(
@@ -34,7 +35,7 @@ class Panel:
         end: float,
         title: str,
         about: str,
-        switches: dict[str, Any],
+        switches: Mapping[str, Callable[[bool], None]],
     ) -> None:
         self._clock = clock
         gui = server.gui
@@ -48,8 +49,8 @@ class Panel:
         self._button.on_click(lambda _: clock.toggle())
         self._slider.on_update(self._on_slider)
         self._speed.on_update(self._on_speed)
-        for label, shown in switches.items():
-            self._add_switch(gui, label, shown)
+        for label, tell in switches.items():
+            self._add_switch(gui, label, tell)
 
     def follow(self) -> None:
         """Show where the clock is."""
@@ -68,11 +69,11 @@ class Panel:
         self._clock.speed = float(self._speed.value)
 
     @staticmethod
-    def _add_switch(gui: Any, label: str, shown: Any) -> None:
+    def _add_switch(gui: Any, label: str, tell: Callable[[bool], None]) -> None:
         switch = gui.add_checkbox(label, initial_value=True)
 
         def on_update(event: Any) -> None:
             del event
-            shown.visible = switch.value
+            tell(switch.value)
 
         switch.on_update(on_update)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pinocchio as pin
@@ -35,41 +36,40 @@ class Stage:
     """
 
     def __init__(self, server: viser.ViserServer, look: Look, motion: Motion, tool: str) -> None:
-        self._server, self._model = server, look.model
+        self._server = server
+        self._start = np.array(motion.film.q[0, :3])
         self.size = _reach(look, motion.film.q[0])
-        server.scene.set_up_direction("+z")
+        self._following = True
+        self._axes = joint_axes(look.model)
+        scene = server.scene
+        scene.set_up_direction("+z")
+        # Everything stands in this frame: moving it back by what the base has moved keeps the base in sight.
+        self._world = scene.add_frame("world", show_axes=False)
         self._robot = RobotVisualizer(look.model, pin.GeometryModel(), look.visuals)
         self._ghost = GhostVisualizer(look.model, pin.GeometryModel(), look.visuals)
-        for visualizer, root, color in ((self._robot, "robot", None), (self._ghost, "desired", DESIRED)):
+        for visualizer, root, color in ((self._robot, "world/robot", None), (self._ghost, "world/desired", DESIRED)):
             visualizer.initViewer(viewer=server)
             visualizer.loadViewerModel(root, visual_color=color, frame_axis_length=0.15 * self.size)
         # A robot without visuals is at least its frames.
         self._robot.displayFrames(not look.visuals.geometryObjects)
-        self._base = server.scene.add_frame("base axes", axes_length=0.75 * self.size, axes_radius=0.02 * self.size)
-        self._torques = server.scene.add_arrows("torques", np.zeros((1, 2, 3)), TORQUE, **self._arrow)
+        axes = {"axes_length": 0.75 * self.size, "axes_radius": 0.02 * self.size}
+        self._base = scene.add_frame("world/base axes", **axes)
+        self._torques = scene.add_arrows("world/torques", np.zeros((1, 2, 3)), TORQUE, **self._arrow)
         way = way_of(look.model, motion.film.q, tool)
         pieces = np.stack([way[:-1], way[1:]], axis=1) if len(way) > 1 else np.stack([way, way], axis=1)
-        self._way = server.scene.add_line_segments("way", pieces, WAY, thickness=0.012 * self.size)
-        start = motion.film.q[0, :3]
-        below = tuple(start - np.array([0.0, 0.0, 1.3 * self.size]))
-        floor = {
-            "cell_size": 0.5 * self.size,
-            "section_size": 2.5 * self.size,
-            "shadow_opacity": 0.0,
-            "position": below,
-        }
-        server.scene.add_grid("grid", 20.0 * self.size, 20.0 * self.size, section_color=(200, 200, 200), **floor)
-        server.initial_camera.look_at = tuple(start)
-        server.initial_camera.position = tuple(start + self.size * np.array([1.7, -2.1, 1.2]))
-        self._axes = joint_axes(look.model)
+        self._way = scene.add_line_segments("world/way", pieces, WAY, thickness=0.012 * self.size)
+        self._add_grid()
+        server.initial_camera.look_at = tuple(self._start)
+        server.initial_camera.position = tuple(self._start + self.size * np.array([1.7, -2.1, 1.2]))
 
-    def switches(self) -> dict[str, Any]:
-        """What can be hidden: label to whatever has ``visible``."""
+    def switches(self) -> dict[str, Callable[[bool], None]]:
+        """What can be switched on and off, by label."""
         return {
-            "desired": self._ghost.visualRootFrame,
-            "torques": self._torques,
-            "way of the tool": self._way,
-            "base axes": self._base,
+            "desired": partial(setattr, self._ghost.visualRootFrame, "visible"),
+            "torques": partial(setattr, self._torques, "visible"),
+            "way of the tool": partial(setattr, self._way, "visible"),
+            "base axes": partial(setattr, self._base, "visible"),
+            "follow the base": self._follow,
         }
 
     def show(self, moment: Moment) -> None:
@@ -81,7 +81,21 @@ class Stage:
             self._base.position = placement.translation
             self._base.wxyz = pin.Quaternion(placement.rotation).coeffs()[[3, 0, 1, 2]]
             self._torques.points = self._arrows(moment)
+            self._place_world()
         self._server.flush()
+
+    def _follow(self, following: bool) -> None:
+        self._following = following
+        self._place_world()
+
+    def _place_world(self) -> None:
+        moved = self._robot.data.oMi[1].translation - self._start
+        self._world.position = -moved if self._following else np.zeros(3)
+
+    def _add_grid(self) -> None:
+        extent, below = 20.0 * self.size, tuple(self._start - np.array([0.0, 0.0, 1.3 * self.size]))
+        look = {"cell_size": 0.5 * self.size, "section_size": 2.5 * self.size, "section_color": (200, 200, 200)}
+        self._server.scene.add_grid("world/grid", extent, extent, shadow_opacity=0.0, position=below, **look)
 
     @property
     def _arrow(self) -> dict[str, float]:

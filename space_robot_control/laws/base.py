@@ -43,6 +43,10 @@ class Review:
     warnings: tuple[str, ...] = ()
 
 
+class Located(ControlError):
+    """A ControlError that says whose it is and when it happened."""
+
+
 class Law(Tunable, ABC):
     """A control law as a Controller: subclasses write ``compute`` and, if they remember anything, ``reset``.
 
@@ -159,6 +163,8 @@ class Law(Tunable, ABC):
         self._check(state, reference)
         try:
             u, blocks = self.compute(state, reference)
+        except Located:
+            raise
         except ControlError as error:
             raise self._failure(error.message, error.key or "u", state.stamp, error.value, error.accepted) from error
         except (ArithmeticError, np.linalg.LinAlgError) as error:
@@ -208,9 +214,7 @@ class Law(Tunable, ABC):
             raise self._failure("changed within a run", "telemetry", stamp, layout, accepted)
         return telemetry
 
-    def _failure(
-        self, message: str, quantity: str, stamp: int, value: object = None, accepted: str = ""
-    ) -> ControlError:
+    def _failure(self, message: str, quantity: str, stamp: int, value: object = None, accepted: str = "") -> Located:
         name = self.name or type(self).__qualname__
         time = stamp / NANOSECONDS
-        return ControlError(f"{message} at t = {time:g} s", key=f"{name}: {quantity}", value=value, accepted=accepted)
+        return Located(f"{message} at t = {time:g} s", key=f"{name}: {quantity}", value=value, accepted=accepted)

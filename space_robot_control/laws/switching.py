@@ -207,6 +207,6 @@ class Switching(Law):
         return prefix
 
     def _check_name(self, name: object) -> None:
-        if name not in self._laws:
+        if not isinstance(name, str) or name not in self._laws:
             accepted = nearest(name, self._names) or ", ".join(self._names)
             raise SpecError("not among the laws of this run", key=ACTIVE, value=name, accepted=accepted)

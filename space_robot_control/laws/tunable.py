@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from space_robot_description.fields import changed, parameter_rows
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.parameters import ParameterRow
 
@@ -38,6 +39,10 @@ class Tunable:
         Raises:
             SpecError: a name or value is not accepted, or the law cannot fly with it.
         """
+        for name in changes:
+            if not name.startswith(GAINS):
+                accepted = f"{GAINS}<name>"
+                raise SpecError("there is no such number to change", key=f"controller.{name}", accepted=accepted)
         names = [name.removeprefix(GAINS) for name in changes]
         gains = changed(self.gains, dict(zip(names, changes.values(), strict=True)), f"controller.{GAINS}")
         self.retune(gains)

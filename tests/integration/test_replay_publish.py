@@ -244,6 +244,7 @@ def test_what_is_published_is_what_was_asked_for(bag: Path) -> None:
         (("--publish", "--topics", "base/odometer"), ("--topics", "base/odometer", "base/odom")),
         (("--rate", "2"), ("--publish",)),
         (("--loop",), ("--publish",)),
+        (("--publish", "--set", "seed=1"), ("--set", "--publish")),
     ],
 )
 def test_bad_orders_get_one_line(

@@ -15,7 +15,7 @@ from space_robot_msgs_py.errors import SpecError
 
 pytest.importorskip("rclpy")
 from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import reserved_domain
+from space_robot_bringup.graph import MANAGED, reserved_domain
 from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.log_reader import LogReader
 
@@ -61,6 +61,27 @@ def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path) -> None:
     same = LogReader(tmp_path / "same" / "run")
     assert list(LogReader(run).messages()) == list(same.messages())
     assert LogReader(run).header.experiment == same.header.experiment
+
+
+def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path) -> None:
+    """With autostart off nothing flies until the manager has been there; then it is the flight that always is."""
+    run, waiting = tmp_path / "run", ["--ros-args", "-p", "autostart:=false"]
+    with reserved_domain() as domain:
+        children = [
+            start(role, domain, "--out", str(run), "--set", "duration=5.0", *(waiting if role in MANAGED else []))
+            for role in ROLES
+        ]
+        manager = [sys.executable, "-m", "space_robot_bringup.nodes.manager"]
+        environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
+        done = subprocess.run(manager, env=environment, capture_output=True, text=True, timeout=120, check=False)
+        assert done.returncode == 0, done.stderr
+        ended(children)
+        alone = [*manager, "--patience", "0.5"]
+        nobody = subprocess.run(alone, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    assert nobody.returncode == 1
+    assert "controller/get_state: does not answer" in nobody.stderr
+    run_experiment(load_experiment("liu2023/fig08", ["duration=5.0"]), tmp_path / "same" / "run", mode="headless")
+    assert list(LogReader(run).messages()) == list(LogReader(tmp_path / "same" / "run").messages())
 
 
 def test_two_robots_on_one_domain_do_not_hear_each_other(tmp_path: Path) -> None:

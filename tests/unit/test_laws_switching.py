@@ -14,7 +14,7 @@ from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.metrics import deviations
 from space_robot_control.laws.adaptive import Adaptive
 from space_robot_control.laws.switching import Switching
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Command, ControlOutput, Reference, RobotState, Tick, Vector
 from space_robot_msgs_py.log_writer import MemorySink
 
@@ -183,6 +183,18 @@ def test_an_estimator_is_told_what_is_commanded() -> None:
     assert surprise[0] < 0.2 * surprise[1]
 
 
+def test_a_law_that_gives_up_is_named_once() -> None:
+    """The error is that of the law that flies, as if it flew alone: law, quantity, time."""
+    composition = composed("controller={law: none, standby: {fails: {law: 'tests.laws:GivesUp'}}, handover: 0}")
+    law = switching(composition)
+    law.switch_to("fails")
+    state = RobotState(0, [0.0] * 6 + [1.0] + [0.0] * 4, np.zeros(10), np.zeros(4), np.zeros(3))
+    law.update(state, Reference(0, state.q, state.v, state.v))
+    later = RobotState(10**9, state.q, state.v, np.zeros(4), np.zeros(3))
+    with pytest.raises(ControlError, match=r"^gives_up: patience: enough at t = 1 s$"):
+        law.update(later, Reference(10**9, state.q, state.v, state.v))
+
+
 def test_gains_of_each_law_can_be_changed() -> None:
     """Names say whose gain it is; a standby law flies with what it was told before it took over."""
     law = switching(composed())
@@ -201,6 +213,7 @@ def test_gains_of_each_law_can_be_changed() -> None:
     ("changes", "why"),
     [
         ({"active_law": "ntsm"}, "accepted: ntsmc"),
+        ({"active_law": ["ntsmc"]}, "not among the laws"),
         ({"standby.pd.gains.bandwidth": 1.0}, "standby.ntsmc.gains"),
         ({"gains.kappa": 1.0, "standby.ntsmc.gains.k1": 0.1}, "one law at a time"),
         ({"standby.ntsmc.gains.k1": -1.0}, "greater than or equal to 0"),

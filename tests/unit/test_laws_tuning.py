@@ -98,6 +98,7 @@ def test_gains_survive_a_reset_and_are_told_again(name: str) -> None:
         ("computed_torque", {"gains.damping": float("nan")}, "finite number"),
         ("computed_torque", {"gains.allow_unstable": True}, "cannot change in flight"),
         ("computed_torque", {"gains.dampin": 1.0}, "accepted: gains.damping|accepted: damping"),
+        ("computed_torque", {"damping": 1.0}, "accepted: gains.<name>"),
         ("none", {"gains.level": 1.0}, "no dynamic gains"),
         ("adaptive", {"gains.lambda.joints": [1.0, 2.0]}, "joints"),
         ("ntsmc", {"gains.boundary_layer": 0.0}, "greater than 0"),

@@ -154,16 +154,38 @@ def test_nothing_becomes_nothing(tmp_path: Path, data: bytes) -> None:
     assert not (tmp_path / "good").exists()
 
 
+def test_a_failure_leaves_what_was_in_the_target(logs: dict[str, bytes], tmp_path: Path) -> None:
+    """An earlier run in the target is replaced by a recovered bag, and not by a failure."""
+    good = recover(put(tmp_path / "bad", logs["closed"]), tmp_path / "good").path
+    with pytest.raises(LogError, match="no message"):
+        recover(put(tmp_path / "worse", logs["closed"][:5000]), tmp_path / "good")
+    assert good.read_bytes() == logs["closed"]
+    recover(put(tmp_path / "bad", logs["plain"][:-5000]), tmp_path / "good")
+    assert 0 < len(bits(LogReader(good))) < COUNT
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["bad", "good", "worse"]
+
+
+def test_a_damaged_number_is_no_loss(logs: dict[str, bytes], tmp_path: Path) -> None:
+    """One wrong sequence number in a log that was killed is not taken for a million lost messages."""
+    data = bytearray(logs["plain"])
+    position = len(MAGIC)
+    for record in records(logs["plain"])[:-30]:
+        position += len(record)
+    assert data[position] == Opcode.MESSAGE
+    data[position + PREFIX.size + 4] ^= 0xFF
+    assert recover(put(tmp_path / "bad", bytes(data)), tmp_path / "good").lost == {}
+
+
 def test_the_damaged_bag_is_never_written_to(logs: dict[str, bytes], tmp_path: Path) -> None:
     """The place of the old bag is refused as that of the new one, and so is a directory of something else."""
-    path = put(tmp_path / "bad", logs["closed"][:5000])
+    path = put(tmp_path / "bad", logs["plain"][:-5000])
     with pytest.raises(LogError, match="another directory"):
         recover(path, tmp_path / "bad")
     (tmp_path / "precious").mkdir()
     (tmp_path / "precious" / "thesis.tex").write_text("years")
     with pytest.raises(LogError, match="not empty"):
         recover(path, tmp_path / "precious")
-    assert path.read_bytes() == logs["closed"][:5000]
+    assert path.read_bytes() == logs["plain"][:-5000]
 
 
 def test_lengths_are_checked_before_memory_is_asked_for(logs: dict[str, bytes], tmp_path: Path) -> None:
@@ -189,7 +211,7 @@ def test_lengths_are_checked_before_memory_is_asked_for(logs: dict[str, bytes], 
 def test_no_cut_and_no_flipped_byte_makes_a_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Cut at 200 and damaged at 200 random places, a log is recovered to something readable or refused in one line."""
     # What takes nearly all the time, and depends on the damage only by its counts.
-    monkeypatch.setattr("space_robot_msgs_py.log_recover.write_metadata_yaml", lambda *_, **__: None)
+    monkeypatch.setattr("space_robot_msgs_py.log_recover.write_metadata_yaml", _touch)
     logs, rng = forms(tmp_path / "run", 40), np.random.default_rng(6)
     recovered = 0
     for index in range(400):
@@ -209,3 +231,7 @@ def test_no_cut_and_no_flipped_byte_makes_a_traceback(tmp_path: Path, monkeypatc
             said = str(error)
         assert "\n" not in said
     assert recovered > 200
+
+
+def _touch(path: Path, *_: object, **__: object) -> None:
+    path.with_name("metadata.yaml").touch()
