@@ -31,9 +31,9 @@ def copy_source(folder: Path) -> Path:
 
 
 def build_wheel(folder: Path) -> Path:
-    """The wheel of the current files, built in this folder."""
+    """The wheel of the current files, built in this folder from their source distribution."""
     source = copy_source(folder / "source")
-    build = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(source)]
+    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder), str(source)]
     done = subprocess.run(build, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
     (wheel,) = folder.glob("*.whl")

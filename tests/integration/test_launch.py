@@ -15,7 +15,9 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("ros2launch", reason="ROS launch is no package of the index: it comes with a ROS installation")
 pytest.importorskip("launch_ros")
+from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.graph import reserved_domain
+from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.log_reader import LogReader
 from tests.integration.distribution import ROOT
 from tests.integration.follow import await_ticks
@@ -36,14 +38,14 @@ def launch(tmp_path: Path) -> Iterator[Launch]:
     started = []
     with reserved_domain() as domain:
 
-        def start(*arguments: str) -> subprocess.Popen[str]:
+        def start(*arguments: str, file: str = "experiment") -> subprocess.Popen[str]:
             paths = {
                 "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
                 "ROS_LOG_DIR": str(tmp_path / "log"),
             }
             prefixes = f"{tmp_path / 'prefix'}:{os.environ.get('AMENT_PREFIX_PATH', sys.prefix)}"
             child = subprocess.Popen(
-                ["ros2", "launch", str(ROOT / "launch" / "experiment.launch.py"), *arguments],
+                ["ros2", "launch", str(ROOT / "launch" / f"{file}.launch.py"), *arguments],
                 env=os.environ | paths | {"AMENT_PREFIX_PATH": prefixes, "ROS_DOMAIN_ID": str(domain)},
                 cwd=tmp_path,
                 stdout=subprocess.PIPE,
@@ -101,6 +103,19 @@ def test_ctrl_c_ends_with_0(launch: Launch, tmp_path: Path) -> None:
     assert child.returncode == 0, said
     assert "Traceback" not in said
     assert LogReader(tmp_path / "run").end_reason == "interrupted"
+
+
+def test_a_replay_is_answered_by_a_controller(launch: Launch, tmp_path: Path) -> None:
+    """The bag's states go out, the controller answers, both end with 0; a bag that is not there ends with 1."""
+    experiment = load_experiment("liu2023/fig08", ["controller.law=pd", "duration=2.0"])
+    run_experiment(experiment, tmp_path / "run", mode="headless")
+    child = launch("bag:=run", "experiment:=liu2023/fig08", "controller:=pd", "namespace:=alpha", file="replay")
+    said = child.communicate(timeout=DEADLINE)[0]
+    assert child.returncode == 0, said
+    child = launch("bag:=nothing", file="replay")
+    said = child.communicate(timeout=DEADLINE)[0]
+    assert child.returncode == 1, said
+    assert "no such bag" in said
 
 
 def _kill(role: str, child: subprocess.Popen[str], run: Path) -> str:
