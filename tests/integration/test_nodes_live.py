@@ -16,9 +16,11 @@ from std_srvs.srv import SetBool, Trigger
 
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
-from space_robot_msgs_py.errors import NonFiniteError
+from space_robot_control.nodes.controller import ControllerNode
+from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Command, PlantSample, Tick
 from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.nodes.managed import bring_up
 from tests.integration.harness import Flight, flight
 from tests.replays import assert_equal, replayed
 
@@ -203,6 +205,38 @@ def test_a_simulator_cleaned_up_flies_again_from_the_start(tmp_path: Path) -> No
         robot.recorder.finish("completed")
     logs = sorted(path for path in tmp_path.iterdir() if path.name.startswith("run"))
     assert list(LogReader(logs[-1]).messages()) == list(LogReader(plain).messages())
+
+
+@pytest.mark.parametrize("node", ["controller", "simulator"])
+def test_shutting_a_node_down_ends_the_run(tmp_path: Path, node: str) -> None:
+    """Everybody hears it, and the log says whose end it was."""
+    with flight(tmp_path / "run", realtime=0.001, services=True) as robot:
+        robot.spin_until(lambda: robot.simulator.started, "the start")
+        assert transit(robot, node, Transition.TRANSITION_ACTIVE_SHUTDOWN)
+        robot.spin_until(lambda: robot.recorder.end_reason, "the recorder to hear it")
+        assert robot.recorder.end_reason == f"{node}: shut down"
+
+
+def test_a_node_that_cannot_be_configured_can_try_again(tmp_path: Path) -> None:
+    """The transition fails with the error of the law and leaves no topic behind; the next one starts from nothing."""
+    with flight(tmp_path / "run", roles=("simulator",)) as robot:
+        answers: list[Any] = [SpecError("no such inertia", key="gains"), robot.composition.controller()]
+
+        def make_law() -> Any:
+            answer = answers.pop(0)
+            if isinstance(answer, Exception):
+                raise answer
+            return answer
+
+        node = ControllerNode(make_law, robot.composition.joint_names, context=robot.context, steered=False)
+        with pytest.raises(SpecError, match="no such inertia"):
+            bring_up([node])
+        assert not node.configured
+        assert node.count_publishers("joint_command") == 0
+        bring_up([node])
+        assert node.active
+        assert node.count_publishers("joint_command") == 1
+        node.destroy_node()
 
 
 def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Path) -> None:
