@@ -21,6 +21,7 @@ from space_robot_bringup.graph import MANAGED, domain_number, local_context, mak
 from space_robot_bringup.start import split_ros_arguments
 from space_robot_msgs_py.errors import SilenceError, SpaceRobotError, SpecError
 
+TRY_SECONDS = 5.0
 STATES = ("unconfigured", "inactive", "active")
 # From the state of that index to the next one, and to the one before.
 UP = (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE)
@@ -33,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="space_robot_bringup.nodes.manager", description=__doc__)
     parser.add_argument("--nodes", nargs="+", default=list(MANAGED), help="in the order to bring them up")
     parser.add_argument("--to", choices=STATES, default="active", help="state to take them to; default active")
-    parser.add_argument("--patience", type=float, default=30.0, help="for every answer [s]; default 30")
+    parser.add_argument("--patience", type=float, default=60.0, help="for every node [s]; default 60")
     options = parser.parse_args(own)
     try:
         domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
@@ -54,7 +55,7 @@ class Manager:
     Args:
         context: where they are.
         names: node names in the order to bring them up; they are taken down in the opposite one.
-        patience: how long every answer may take [s].
+        patience: how long a node may take to answer [s].
     """
 
     def __init__(self, context: Context, names: Sequence[str], patience: float) -> None:
@@ -80,22 +81,33 @@ class Manager:
 
     def _leave(self, name: str, level: int, transition: int | None) -> None:
         """Do the transition if the node is on that level."""
-        if self._ask(GetState, f"{name}/get_state", GetState.Request()).current_state.label != STATES[level]:
-            return
-        request = ChangeState.Request(transition=Transition(id=transition))
-        if not self._ask(ChangeState, f"{name}/change_state", request).success:
-            raise SpaceRobotError(f"does not leave the state {STATES[level]}", key=name, accepted="see its log")
-
-    def _ask(self, kind: Any, service: str, request: Any) -> Any:
-        client = self._node.create_client(kind, service)
         deadline = monotonic() + self._patience
-        # A late joiner is discovered after seconds; a request before is lost.
-        if client.wait_for_service(timeout_sec=self._patience):
+        request = ChangeState.Request(transition=Transition(id=transition))
+        while self._state(name, deadline) == STATES[level]:
+            answer = self._try(ChangeState, f"{name}/change_state", request)
+            if answer is not None and not answer.success:
+                raise SpaceRobotError(f"does not leave the state {STATES[level]}", key=name, accepted="see its log")
+
+    def _state(self, name: str, deadline: float) -> str:
+        while monotonic() < deadline:
+            answer = self._try(GetState, f"{name}/get_state", GetState.Request())
+            if answer is not None:
+                return str(answer.current_state.label)
+        waited = f"{self._patience:g} s"
+        raise SilenceError("does not answer", key=f"{name}/get_state", value=waited, accepted="a node that runs")
+
+    def _try(self, kind: Any, service: str, request: Any) -> Any:
+        """The answer; None where none came: a server that has not discovered its client answers into the void."""
+        client = self._node.create_client(kind, service)
+        patience = min(self._patience, TRY_SECONDS)
+        try:
+            if not client.wait_for_service(timeout_sec=patience):
+                return None
             answer = client.call_async(request)
-            self._executor.spin_until_future_complete(answer, timeout_sec=max(0.0, deadline - monotonic()))
-            if answer.done():
-                return answer.result()
-        raise SilenceError("does not answer", key=service, value=f"{self._patience:g} s", accepted="a node that runs")
+            self._executor.spin_until_future_complete(answer, timeout_sec=patience)
+            return answer.result() if answer.done() else None
+        finally:
+            self._node.destroy_client(client)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
@@ -41,20 +42,27 @@ class NodeParameters:
 
     def declare(self, rows: Iterable[ParameterRow]) -> None:
         """Declare rows; where they are declared already, show the value that dynamic ones have now."""
-        self._quiet = True
-        for row in rows:
-            if row.name not in self._own:
-                self._own.add(row.name)
-                self._node.declare_parameter(row.name, to_ros(row.value), _descriptor(row), ignore_override=True)
-            elif row.dynamic:
-                self._node.set_parameters([Parameter(row.name, value=to_ros(row.value))])
-        self._quiet = False
+        with self._quietly():
+            for row in rows:
+                if row.name not in self._own:
+                    self._own.add(row.name)
+                    self._node.declare_parameter(row.name, to_ros(row.value), _descriptor(row), ignore_override=True)
+                elif row.dynamic:
+                    self._node.set_parameters([Parameter(row.name, value=to_ros(row.value))])
 
     def show(self, name: str, value: Any) -> None:
         """Show a value that the node itself has changed."""
+        with self._quietly():
+            self._node.set_parameters([Parameter(name, value=to_ros(value))])
+
+    @contextmanager
+    def _quietly(self) -> Iterator[None]:
+        """What the node says of itself is not passed on to it."""
         self._quiet = True
-        self._node.set_parameters([Parameter(name, value=to_ros(value))])
-        self._quiet = False
+        try:
+            yield
+        finally:
+            self._quiet = False
 
     def _on_set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         changes = {one.name: from_ros(one.value) for one in parameters if one.name in self._own}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ from space_robot_msgs_py.log_reader import LogReader
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
 ROOT = Path(__file__).parents[2]
+Starter = Callable[..., "subprocess.Popen[str]"]
 ROLES = ("recorder", "guidance", "controller", "simulator")
 LAW = "examples/my_law.py:PdPlus"
 PARAMETERS = f"""
@@ -35,11 +37,22 @@ PARAMETERS = f"""
 """
 
 
-def start(role: str, domain: int, *arguments: str) -> subprocess.Popen[str]:
-    """One node as a process."""
-    environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
-    command = [sys.executable, "-m", "space_robot_bringup.nodes.process", role, *arguments]
-    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+@pytest.fixture
+def start() -> Iterator[Starter]:
+    """Starts one node as a process; none survives the test."""
+    children: list[subprocess.Popen[str]] = []
+
+    def begin(role: str, domain: int, *arguments: str) -> subprocess.Popen[str]:
+        environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
+        command = [sys.executable, "-m", "space_robot_bringup.nodes.process", role, *arguments]
+        children.append(subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, cwd=ROOT))
+        return children[-1]
+
+    yield begin
+    for child in children:
+        if child.poll() is None:
+            child.kill()
+            child.communicate()
 
 
 def ended(children: list[subprocess.Popen[str]]) -> list[str]:
@@ -49,7 +62,7 @@ def ended(children: list[subprocess.Popen[str]]) -> list[str]:
     return said
 
 
-def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path) -> None:
+def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path, start: Starter) -> None:
     """Experiment, law, gains and overrides from --params-file give the bits of a run with the same overrides."""
     file, run = tmp_path / "parameters.yaml", tmp_path / "run"
     file.write_text(PARAMETERS)
@@ -63,7 +76,7 @@ def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path) -> None:
     assert LogReader(run).header.experiment == same.header.experiment
 
 
-def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path) -> None:
+def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path, start: Starter) -> None:
     """With autostart off nothing flies until the manager has been there; then it is the flight that always is."""
     run, waiting = tmp_path / "run", ["--ros-args", "-p", "autostart:=false"]
     with reserved_domain() as domain:
@@ -73,7 +86,7 @@ def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path) -> None:
         ]
         manager = [sys.executable, "-m", "space_robot_bringup.nodes.manager"]
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
-        done = subprocess.run(manager, env=environment, capture_output=True, text=True, timeout=120, check=False)
+        done = subprocess.run(manager, env=environment, capture_output=True, text=True, timeout=240, check=False)
         assert done.returncode == 0, done.stderr
         ended(children)
         alone = [*manager, "--patience", "0.5"]
@@ -84,7 +97,7 @@ def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path) -> None:
     assert list(LogReader(run).messages()) == list(LogReader(tmp_path / "same" / "run").messages())
 
 
-def test_two_robots_on_one_domain_do_not_hear_each_other(tmp_path: Path) -> None:
+def test_two_robots_on_one_domain_do_not_hear_each_other(tmp_path: Path, start: Starter) -> None:
     """Each in its namespace, on one domain at the same time, they fly what each would fly alone."""
     plans = {"alpha": ["duration=5.0"], "beta": ["duration=5.0", "controller.gains.kappa=0.5"]}
     with reserved_domain() as domain:
@@ -101,7 +114,7 @@ def test_two_robots_on_one_domain_do_not_hear_each_other(tmp_path: Path) -> None
         assert list(flown.messages()) == list(alone.messages())
 
 
-def test_topics_can_be_remapped_and_their_quality_overridden(tmp_path: Path) -> None:
+def test_topics_can_be_remapped_and_their_quality_overridden(tmp_path: Path, start: Starter) -> None:
     """With the commands under other names at both ends, and another depth by parameter, the run is the same."""
     remapped = [
         *("--ros-args", "-r", "joint_command:=arm/effort", "-r", "base/wrench_command:=bus/wrench"),
@@ -126,7 +139,7 @@ def test_topics_can_be_remapped_and_their_quality_overridden(tmp_path: Path) -> 
         (["-p", "gains.kappa:={a"], "--ros-args"),
     ],
 )
-def test_what_cannot_be_is_said_in_one_line(arguments: list[str], why: str) -> None:
+def test_what_cannot_be_is_said_in_one_line(start: Starter, arguments: list[str], why: str) -> None:
     """Exit code 2, the key and the reason, no traceback, and nothing is left behind."""
     with reserved_domain() as domain:
         child = start("controller", domain, "--ros-args", *arguments)
