@@ -18,7 +18,6 @@ import space_robot_bringup.cli_studies  # noqa: F401  (their commands belong to 
 from space_robot_bringup.cli_app import (
     BAD_INPUT,
     FAILED,
-    ExperimentArgument,
     JsonOption,
     SetOption,
     app,
@@ -48,26 +47,24 @@ def list_shipped() -> None:
 
 
 @app.command()
-def check(experiment: ExperimentArgument, set_: SetOption = None) -> None:
-    """Check an experiment completely without flying it."""
+def check(
+    file: Annotated[str, typer.Argument(help="experiment, campaign or paper: shipped name or YAML file")],
+    set_: SetOption = None,
+    kind: Annotated[str, typer.Option(help="experiment, campaign or paper; default: what it looks like")] = "",
+) -> None:
+    """Check an experiment, a campaign or a paper's manifest completely without flying it."""
+    from space_robot_bringup.checking import check_file, kind_of
     from space_robot_bringup.compiling import notice
-    from space_robot_bringup.compose import compose
     from space_robot_bringup.experiment import load_experiment
 
-    spec = load_experiment(experiment, set_ or ())
-    if line := notice(spec.controller.law_names, plant=False):
+    kind = kind or kind_of(file)
+    if kind == "experiment" and (line := notice(load_experiment(file, set_ or ()).controller.law_names, plant=False)):
         err.print(line)
-    composition = compose(spec)
-    nominal, review = composition.nominal, composition.review()
-    out.print(
-        f"{experiment}: fine. {nominal.name}, {nominal.n} joints, {spec.controller.law}, "
-        f"{spec.steps} periods of {spec.control_period:g} s",
-        markup=False,
-        soft_wrap=True,
-    )
-    for line in review.facts:
+    checked = check_file(file, kind, set_ or ())
+    out.print(f"{file}: fine. {checked.summary}", markup=False, soft_wrap=True)
+    for line in checked.facts:
         out.print(f"  {line}", markup=False, soft_wrap=True)
-    for warning in review.warnings:
+    for warning in checked.warnings:
         warn(warning)
 
 
@@ -160,11 +157,15 @@ def plot(
 
 
 @app.command()
-def schema() -> None:
-    """Print the JSON schema of experiment files, for editors."""
-    from space_robot_bringup.experiment import Experiment
+def schema(
+    kind: Annotated[str, typer.Argument(help="experiment, campaign or paper")] = "experiment",
+) -> None:
+    """Print the JSON schema of experiment, campaign or paper files, for editors."""
+    from space_robot_bringup.checking import KINDS
 
-    print(json.dumps(Experiment.model_json_schema(), indent=2))
+    if kind not in KINDS:
+        raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join(KINDS))
+    print(json.dumps(KINDS[kind].model_json_schema(), indent=2))
 
 
 def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from pathlib import Path
 from typing import Annotated
@@ -22,12 +23,13 @@ def report(
 ) -> None:
     """Write one page that works offline: verdict, plots, 3-D playback, provenance; of a campaign what it adds up to."""
     from space_robot_bringup.campaign.journal import CAMPAIGN
+    from space_robot_description.share import is_file
 
-    target = page or place.resolve().with_name(f"{_stem(place)}.html")
-    if target.is_dir():
+    target = page or _beside(place)
+    if os.path.isdir(target):
         raise SpecError("is a directory", key="--out", value=str(target), accepted="the name of a page")
     try:
-        if (place / CAMPAIGN).is_file():
+        if is_file(place / CAMPAIGN):
             from space_robot_bringup.report.campaign_report import write_campaign_report
 
             done = write_campaign_report(place, target)
@@ -84,6 +86,7 @@ def _announce(address: str) -> None:
     out.file.flush()
 
 
-def _stem(place: Path) -> str:
-    whole = place.resolve()
-    return whole.stem if whole.suffix == ".mcap" else whole.name
+def _beside(place: Path) -> Path:
+    """The page of a log or a campaign where nothing else is said."""
+    whole = Path(os.path.abspath(place))
+    return whole.parent / f"{whole.stem if whole.suffix == '.mcap' else whole.name}.html"

@@ -16,7 +16,8 @@ class ControllerEvent:
 
     Attributes:
         stamp: of the first command it acts on [ns].
-        kind: ``parameters`` (content ``values``: what ``Tunable.tune`` was given) or ``switch`` (``from``, ``to``).
+        kind: ``parameters`` (content ``values``: what ``Tunable.tune`` was given), ``switch`` (``from``, ``to``) or
+            ``reset`` (of the law, because states passed unanswered).
         content: plain data.
     """
 

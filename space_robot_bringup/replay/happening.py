@@ -27,6 +27,8 @@ def happen(law: Law, event: ControllerEvent) -> None:
     elif event.kind == "switch" and isinstance(law, Switching):
         # One that was scheduled is done by the law itself; saying it again changes nothing.
         law.switch_to(str(content.get("to")))
+    elif event.kind == "reset":
+        law.start_anew()
     else:
         raise SpecError("does not fit this law", key="controller/events", value=event.line[:80])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +13,14 @@ from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.campaign.summary import Group, summarise
 from space_robot_bringup.campaign.table import FIXED
 from space_robot_bringup.report.interactive import PlotBook, embedded, interactive_page
-from space_robot_bringup.report.paper_report import write_whole
 from space_robot_bringup.report.spreads import spread_figures
+from space_robot_bringup.report.whole import write_whole
 from space_robot_bringup.verdict import PLANT_BOUNDS
 from space_robot_msgs_py.errors import LogError
 
 TEMPLATE = "campaign.html.j2"
-MOST_FAILURES = 100
+# Of cases in a list; the rest is in the table of the campaign.
+MOST_LISTED = 100
 Columns = Mapping[str, Any]
 
 
@@ -56,13 +57,13 @@ def campaign_page(campaign: Campaign, rows: Sequence[Columns], versions: Mapping
         directory: for the commands that fly a case again.
     """
     book = PlotBook()
-    points = [[row for row in rows if row["index"] % campaign.points == at] for at in range(campaign.points)]
-    labels = [campaign.point(at).labels for at in range(campaign.points)]
-    groups = {
-        at: summarise(mine, labels[at], metrics_of(mine), campaign.seed) for at, mine in enumerate(points) if mine
-    }
-    named = {describe(labels[at]) or "all runs": points[at] for at in groups}
-    checks = judge_groups(campaign, list(groups.values()))
+    points: dict[int, list[Columns]] = {}
+    for row in rows:
+        points.setdefault(row["index"] % campaign.points, []).append(row)
+    labels = {at: campaign.point(at).labels for at in sorted(points)}
+    groups = [summarise(points[at], labels[at], metrics_of(points[at]), campaign.seed) for at in labels]
+    named = {describe(labels[at]) or "all runs": points[at] for at in labels}
+    checks = judge_groups(campaign, groups)
     content = {
         "title": campaign.title or "Campaign",
         "source": campaign.source,
@@ -70,9 +71,9 @@ def campaign_page(campaign: Campaign, rows: Sequence[Columns], versions: Mapping
         "total": campaign.cases,
         "passed": all(check.passed for check in checks),
         "checks": checks,
-        "groups": [_group(group) for group in groups.values()],
+        "groups": [_group(group) for group in groups],
         "figures": [book.add_raw(figure, title) for title, figure in spread_figures(named).items()],
-        "worst": _worst(groups.values(), directory),
+        "worst": _worst(groups, directory),
         "failures": _failures(rows, directory),
         "failed": sum(not row["passed"] for row in rows),
         "dispersed": {key: draw.model_dump(exclude_none=True) for key, draw in campaign.disperse.items()},
@@ -102,7 +103,7 @@ def _group(group: Group) -> dict[str, Any]:
     }
 
 
-def _worst(groups: Iterable[Group], directory: Path) -> list[dict[str, Any]]:
+def _worst(groups: Sequence[Group], directory: Path) -> list[dict[str, Any]]:
     """Cases with the largest of some number, those that are worst most often first."""
     found: dict[int, list[str]] = {}
     for group in groups:
@@ -110,12 +111,12 @@ def _worst(groups: Iterable[Group], directory: Path) -> list[dict[str, Any]]:
             # Where nothing spreads, no case is the worst.
             if name not in PLANT_BOUNDS and spread.worst is not None and spread.min != spread.max:
                 found.setdefault(spread.worst, []).append(f"{name} {spread.max:.3g}")
-    order = sorted(found, key=lambda index: (-len(found[index]), index))
+    order = sorted(found, key=lambda index: (-len(found[index]), index))[:MOST_LISTED]
     return [{"index": index, "what": found[index], "command": _again(directory, index)} for index in order]
 
 
 def _failures(rows: Sequence[Columns], directory: Path) -> list[dict[str, Any]]:
-    failed = [row for row in rows if not row["passed"]][:MOST_FAILURES]
+    failed = [row for row in rows if not row["passed"]][:MOST_LISTED]
     return [
         {
             "index": row["index"],

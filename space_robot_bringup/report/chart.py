@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from space_robot_bringup.report.curves import PALETTE, shown
+from space_robot_bringup.report.curves import shown
+from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.reproduce.measures import FlownRun, reduce
 from space_robot_bringup.reproduce.reproduction import FlownFigure
 from space_robot_bringup.reproduce.spec import Chart

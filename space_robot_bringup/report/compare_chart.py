@@ -13,7 +13,7 @@ from matplotlib import pyplot as plt
 from space_robot_bringup.compare.comparison import METRICS, Cell, Comparison
 from space_robot_bringup.compare.tables import words
 from space_robot_bringup.report.chart import plain
-from space_robot_bringup.report.curves import PALETTE
+from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.report.paper_figure import LOOK
 from space_robot_msgs_py.errors import LogError
 

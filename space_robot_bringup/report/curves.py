@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 
 import matplotlib as mpl
 
+from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.reproduce.measures import FlownRun
 from space_robot_bringup.reproduce.reproduction import FlownFigure
 from space_robot_bringup.reproduce.spec import Drawing, Panel
 from space_robot_msgs_py.interfaces import Vector
 
-# Okabe and Ito: told apart by everybody, also in print.
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#6B5B95", "#7F7F7F")
 LINES = ("solid", "dashed", "dashdot", "dotted")
 # Larger groups are one cloud of thin curves with one entry in the legend; a sweep has shades for more.
 SINGLY, SHADES, CROWDED = 4, 8, 0.35

@@ -23,9 +23,10 @@ def min_max(values: Vector, buckets: int = BUCKETS) -> npt.NDArray[np.int64]:
     count = values.size
     if count <= 2 * buckets:
         return np.arange(count)
-    edges = np.linspace(0, count, buckets + 1).astype(np.int64)
-    kept = {0, count - 1}
-    for start, stop in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
-        stretch = values[start:stop]
-        kept |= {start + int(np.argmin(stretch)), start + int(np.argmax(stretch))}
-    return np.array(sorted(kept))
+    width = -(-count // buckets)
+    starts = width * np.arange(-(-count // width))
+    # The last stretch is filled up with its own last value, which is kept anyway.
+    rows = np.pad(values, (0, starts.size * width - count), mode="edge").reshape(-1, width)
+    extremes = [starts + rows.argmin(axis=1), starts + rows.argmax(axis=1), [0, count - 1]]
+    kept: npt.NDArray[np.int64] = np.unique(np.minimum(np.concatenate(extremes), count - 1))
+    return kept

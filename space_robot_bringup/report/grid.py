@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from space_robot_bringup.report.chart import plain
-from space_robot_bringup.report.curves import PALETTE, shown
+from space_robot_bringup.report.curves import shown
+from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.reproduce.expression import Formula
 from space_robot_bringup.reproduce.measures import FlownRun, reduce
 from space_robot_bringup.reproduce.reproduction import FlownFigure

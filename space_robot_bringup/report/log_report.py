@@ -11,8 +11,8 @@ from space_robot_bringup.report.html import script
 from space_robot_bringup.report.interactive import PlotBook, embedded, interactive_page
 from space_robot_bringup.report.log_plots import conservation_plots, effort_plots, motion_plots, telemetry_plots
 from space_robot_bringup.report.paper_part import paper_figures
-from space_robot_bringup.report.paper_report import write_whole
 from space_robot_bringup.report.scene import scene
+from space_robot_bringup.report.whole import write_whole
 from space_robot_description.visual import look_of
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS

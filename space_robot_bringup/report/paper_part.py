@@ -11,7 +11,7 @@ from typing import Any
 
 from space_robot_bringup.experiment import Experiment, experiment_path
 from space_robot_bringup.judged import JudgedLog
-from space_robot_bringup.report.curves import PALETTE
+from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.report.plots import Plot, Steps, Trace
 from space_robot_bringup.reproduce.plan import manifest_path, read_manifest
 from space_robot_bringup.reproduce.show import heading

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from space_robot_bringup.report.page import page
 from space_robot_bringup.report.paper_figure import draw_figure
+from space_robot_bringup.report.whole import write_whole
 from space_robot_bringup.reproduce.plan import Plan, picture_name
 from space_robot_bringup.reproduce.reproduction import CLAIMS, FlownFigure
 from space_robot_bringup.reproduce.summary import Data, summary
-from space_robot_msgs_py.errors import LogError
 
 PAGE = "index.html"
 
@@ -39,17 +39,3 @@ def write_report(plan: Plan, flown: Sequence[FlownFigure], directory: Path) -> D
     write_whole(directory / PAGE, page(data, directory))
     write_whole(directory / CLAIMS, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
     return data
-
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file, whole or not at all.
-
-    Raises:
-        LogError: it cannot be written.
-    """
-    temporary = path.with_name(f"{path.name}.tmp")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(path)
-    except OSError as error:
-        raise LogError(f"cannot be written: {error.strerror or error}", key=str(path)) from None

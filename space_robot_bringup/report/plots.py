@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_bringup.report.curves import PALETTE
 from space_robot_bringup.report.decimate import min_max
+from space_robot_bringup.report.palette import PALETTE
 from space_robot_msgs_py.interfaces import Vector
 
 LIMIT = "#9b1c13"

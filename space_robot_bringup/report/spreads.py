@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from space_robot_bringup.metrics import PER_AXIS, PER_RUN
-from space_robot_bringup.report.curves import PALETTE
+from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.report.plots import packed
 from space_robot_bringup.verdict import PLANT_BOUNDS
 

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from space_robot_bringup.report.chart import plain
-from space_robot_bringup.report.curves import PALETTE
+from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.reproduce.stability import StabilityMap
 from space_robot_control.mfac.stability import stability_map
 

@@ -62,7 +62,8 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
         raise SpecError("not a usable number", key="--workers", value=order.workers, accepted=f"1 to {MOST_WORKERS}")
     try:
         from space_robot_bringup.report.paper_figure import check_colors
-        from space_robot_bringup.report.paper_report import PAGE, write_report, write_whole
+        from space_robot_bringup.report.paper_report import PAGE, write_report
+        from space_robot_bringup.report.whole import write_whole
     except ImportError as error:
         needs = f"reproduce needs matplotlib and jinja2 ({error})"
         raise SpecError(needs, accepted="install space-robot[viz]") from None

@@ -140,6 +140,10 @@ class Adaptive(Law):
         middle = self._wheels.hold(wrench[3:], self.control_period)
         self._update.hold(Held(*self._start, middle, wrench))
 
+    def stand_by(self, command: Command) -> None:
+        """The wheels take up what others command, too."""
+        self._wheels.hold(np.array(command.wrench[3:]), self.control_period)
+
     def _first_mass_matrix(self, x: Vector) -> Vector:
         matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)
         lowest = float(np.linalg.eigvalsh(matrix)[0])

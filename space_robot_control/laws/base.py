@@ -125,6 +125,11 @@ class Law(Tunable, ABC):
         self._layout = None
         self.tell_anew()
 
+    def start_anew(self) -> None:
+        """Reset in flight, because states passed that nobody answered; the next output tells it."""
+        self.reset()
+        self.tell("reset", {})
+
     def resume(self) -> None:
         """Get ready to answer again after states that others answered; by default like the first of a run."""
         self.reset()
@@ -141,6 +146,10 @@ class Law(Tunable, ABC):
             own: it is what ``compute`` returned; False while this law takes over from another, see ``Switching``.
         """
         del command, own
+
+    def stand_by(self, command: Command) -> None:
+        """Learn what another law commands while this one is idle; by default it is not of interest."""
+        del command
 
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer one state with a command and telemetry of the same stamp.

@@ -21,7 +21,7 @@ from space_robot_control.mfac.mapping import Mapping, Scales
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
 
 class ModelFree(Law):
@@ -109,6 +109,11 @@ class ModelFree(Law):
         self._tick += 1
         return self.channels.spread(inputs), {**error_blocks(errors), **self._blocks(identifying)}
 
+    def hold(self, command: Command, *, own: bool) -> None:
+        """Of a period in which another law has a part nothing is learned."""
+        if self._loop is not None:
+            self._loop.own = own
+
     def _identify(self, excitation: Push | Pulses) -> Vector:
         self._moved = self._moved + self._sensing.moved_sample
         inputs = excitation.at(self._tick, self._start)
@@ -173,7 +178,7 @@ class _Loop:
         self.gradient = PseudoGradient(first, *orders, sigma=spec.sigma, beta=spec.beta, floor=spec.floor)
         self.controller = IncrementalController(_weights(gains, chosen), *orders, limit / self._scales.input)
         self._lead, self._order = lead, gains.output_order
-        self.out, self._begun = np.zeros(channels.size), False
+        self.out, self._begun, self.own = np.zeros(channels.size), False, True
 
     def update(self, sensing: Sensing) -> Vector:
         """(m,) inputs, SI."""
@@ -181,7 +186,7 @@ class _Loop:
         out = sensing.error + lead * sensing.rate
         if self._begun:
             own = self._scales.output * (sensing.moved + lead * sensing.sped)
-            if sensing.missing.any():
+            if sensing.missing.any() or not self.own:
                 self.gradient.miss(self.controller.increment)
             else:
                 self.gradient.update(own, self.controller.increment)

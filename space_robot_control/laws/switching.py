@@ -26,7 +26,7 @@ class Switching(Law):
     changes by what the new law wants and by a share T/handover of the bump there would have been: the smallest largest
     step. A law that takes over starts as at the beginning of a run, but for what it learned of the robot, see
     ``Law.resume``. It is told what is commanded, so that its estimator does not take the torque of the law before for
-    the robot's doing.
+    the robot's doing; so is an idle law, which has wheels to keep count of.
 
     Telemetry, in one layout for the whole run: the errors every law has; active_law (index, 0 the first), handover (w),
     and everything else of each law as ``<name>.<label>``, 0 while the law does not fly. For these labels every law is
@@ -42,8 +42,8 @@ class Switching(Law):
     Raises:
         SpecError: fewer than two laws, or a switch to a law that is not there.
 
-    Deviations from the paper: none, it is ours; a common choice, Zaccarian and Teel, "A common framework for
-    anti-windup, bumpless transfer and reliable designs", Automatica 38(10), 2002, treats what may replace w.
+    Deviations from the paper: there is none behind it, the fading bump is ours. Bumpless transfer in general: Zaccarian
+    and Teel, "A common framework for anti-windup, bumpless transfer and reliable designs", Automatica 38(10), 2002.
     """
 
     name = "switching"
@@ -144,12 +144,14 @@ class Switching(Law):
         u = output.command.u
         if taking_over and self._last is not None:
             self._bump, self._since = self._last - u, state.stamp
-        weight = self._weight(state.stamp)
+        weight, command = self._weight(state.stamp), output.command
         if weight:
             u = u + weight * self._bump
-            law.hold(Command(state.stamp, u[:6], u[6:]), own=False)
-        else:
-            law.hold(output.command, own=True)
+            command = Command(state.stamp, u[:6], u[6:])
+        law.hold(command, own=weight == 0.0)
+        for other in self._laws.values():
+            if other is not law:
+                other.stand_by(command)
         self._last = u
         shown = {label: block for label, block in output.telemetry.items() if label in self._labels[self._active]}
         return u, {

@@ -81,7 +81,7 @@ class ControllerNode(ManagedNode):
     def activate(self) -> None:
         """Answer the newest state that waits."""
         if self._passed_by:
-            self._law.reset()
+            self._law.start_anew()
             self._passed_by = False
         if self._waiting is not None:
             self._answer(*self._waiting)
@@ -131,6 +131,7 @@ class ControllerNode(ManagedNode):
         self._waiting = None
         if state.stamp <= self._last_stamp:
             self._law.reset()
+            self._show_active()
         self._last_stamp = state.stamp
         begun = perf_counter()
         try:
@@ -149,10 +150,14 @@ class ControllerNode(ManagedNode):
         # Telemetry first: when the plant has stepped, everything that belongs to the step before is on its way.
         self._telemetry_publisher.publish(self._telemetry.encode(output.telemetry)[0])
         publish_all(self._command_publishers, self._command.encode(output.command))
-        for event in output.events:
-            self.get_logger().info(event.line)
-            if event.kind == "switch":
-                self.parameters.show(ACTIVE, event.content["to"])
+        if output.events:
+            self._show_active()
+            for event in output.events:
+                self.get_logger().info(event.line)
+
+    def _show_active(self) -> None:
+        if isinstance(self._law, Switching):
+            self.parameters.show(ACTIVE, self._law.active)
 
     def _on_switch(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         assert isinstance(self._law, Switching)

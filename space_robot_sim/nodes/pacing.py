@@ -25,7 +25,7 @@ def realtime_row(factor: float | None) -> ParameterRow:
 
 
 def checked_factor(value: Any) -> float:
-    """A factor that was set in flight.
+    """A factor that was given at the start or in flight.
 
     Raises:
         SpecError: it is no number, or beyond the bounds.

@@ -58,7 +58,7 @@ class SimulatorNode(ManagedNode):
         super().__init__(name, **options)
         self._make_plant, self._joint_names, self._urdf = make_plant, joint_names, urdf
         self._period, self._steps, self._patience = period, steps, patience
-        self._realtime, self._recorded = realtime, recorded
+        self._realtime, self._recorded = None if realtime is None else checked_factor(realtime), recorded
         self._states = StateCodec(joint_names)
         self._telemetry = TelemetryCodec(PLANT_TELEMETRY)
         self.tick = 0

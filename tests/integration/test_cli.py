@@ -74,6 +74,10 @@ def test_a_failed_expectation_exits_1(space_robot: Tool, tmp_path: Path) -> None
         (("check", "liu2023/fig08", "--set", "initial.joints_deg=[1, 2]"), ("initial.joints_deg",)),
         (("check", "liu2023/fig08", "--set", "robot=minni"), ("minni", "mini")),
         (("robot", "minni"), ("minni", "mini")),
+        (("check", "liu2023", "--set", "seed=1"), ("--set", "paper")),
+        (("check", "liu2023/fig08", "--kind", "poem"), ("--kind", "poem", "campaign")),
+        (("check", "liu2023/fig08", "--kind", "campaign"), ("liu2023/fig08", "campaign")),
+        (("schema", "poem"), ("poem", "paper")),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
@@ -104,6 +108,32 @@ def test_an_impossible_robot_is_refused_by_its_link(
     (tmp_path / "two.urdf").write_text(URDF.format(**fill))
     (tmp_path / "two.yaml").write_text(ROBOT)
     refused(space_robot("robot", "two.yaml"), *words)
+
+
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        (("fig08_dispersed",), ("100 cases", "draws initial.attitude_deg")),
+        (("giordano2023/sec5",), ("servicer", "loop gain")),
+        (("giordano2023/sec5", "--kind", "campaign"), ("100 cases",)),
+        (("mine.yaml",), ("2 cases, 2 points", "varies control_period: 0.25, 0.5")),
+    ],
+    ids=lambda value: " ".join(value),
+)
+def test_check_knows_what_a_file_is(
+    space_robot: Tool, tmp_path: Path, what: tuple[str, ...], said: tuple[str, ...]
+) -> None:
+    """Experiment or campaign, by the keys of the file or the name; where a name is both, --kind decides."""
+    (tmp_path / "mine.yaml").write_text("experiment: liu2023/fig08\nruns: 1\nvary: {control_period: [0.25, 0.5]}\n")
+    done = space_robot("check", *what)
+    assert done.returncode == 0, done.stderr
+    assert all(words in done.stdout for words in said), done.stdout
+
+
+@pytest.mark.parametrize("kind", ["experiment", "campaign", "paper"])
+def test_every_kind_of_file_has_a_schema(space_robot: Tool, kind: str) -> None:
+    """The schema is JSON and describes an object."""
+    assert json.loads(space_robot("schema", kind).stdout)["type"] == "object"
 
 
 def test_a_broken_yaml_is_refused_with_its_place(space_robot: Tool, tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.interfaces import Command, PlantSample, Tick
 from space_robot_msgs_py.log_reader import LogReader
 from tests.integration.harness import Flight, flight
-from tests.replays import assert_equal
+from tests.replays import assert_equal, replayed
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 SWITCH = "switch/mini"
@@ -206,12 +206,24 @@ def test_a_simulator_cleaned_up_flies_again_from_the_start(tmp_path: Path) -> No
 
 
 def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Path) -> None:
-    """The periods are counted as missed; activated again the controller answers, and the pace can be changed."""
-    with flight(tmp_path / "run", realtime=20.0, services=True) as robot:
+    """The periods are missed; activated again the law starts anew, the log says so, and a replay does the same."""
+    with flight(tmp_path / "run", "controller={law: adaptive}", "duration=20.0", realtime=10.0, services=True) as robot:
         assert transit(robot, "controller", Transition.TRANSITION_DEACTIVATE)
         robot.spin_until(lambda: robot.simulator.commands.counts["missed"] > 3, "missed commands")
         assert transit(robot, "controller", Transition.TRANSITION_ACTIVATE)
-        robot.spin_until(lambda: robot.simulator.commands.answered, "an answer")
+        robot.spin_until(lambda: robot.simulator.end_reason, "the end of the run")
+        assert robot.simulator.end_reason == "completed"
+        robot.spin_for(0.2)
+        robot.recorder.finish("completed")
+    assert [kind for _, kind, _ in events(list(LogReader(tmp_path / "run").ticks()))] == ["reset"]
+    (controller,) = replayed(tmp_path / "run", against="controller").outcomes
+    assert controller.first is None
+
+
+def test_the_pace_can_be_changed_in_flight(tmp_path: Path) -> None:
+    """A run that would take half a day ends at once; what is no pace is refused."""
+    with flight(tmp_path / "run", realtime=1e-3, services=True) as robot:
+        robot.spin_until(lambda: robot.simulator.started, "the start")
         for wrong in (0.0, 0, -1.0, "fast", float("nan"), True):
             assert not set_parameters(robot, "simulator", realtime=wrong).successful
         assert set_parameters(robot, "simulator", realtime=1000.0).successful

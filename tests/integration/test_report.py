@@ -269,6 +269,9 @@ def test_the_command_writes_a_page_and_refuses_in_one_line(space_robot: Tool, ba
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
     refused(space_robot("report", "nothing"), "nothing")
+    refused(space_robot("report", "/"), "not a run directory")
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    refused(space_robot("report", "loop"), "loop")
     refused(space_robot("report", str(bag), "-o", str(tmp_path)), "--out")
     refused(space_robot("report", str(bag), "-o", "no/such/place.html"), "place.html")
     (tmp_path / "text.mcap").write_text("no log")

@@ -183,6 +183,16 @@ def test_an_estimator_is_told_what_is_commanded() -> None:
     assert surprise[0] < 0.2 * surprise[1]
 
 
+def test_an_idle_law_counts_the_momentum_of_the_wheels() -> None:
+    """Having flown a quarter of the time only, it knows what the wheels hold as if it had flown all the time."""
+    composition = composed("controller.gains.update=none")
+    law = composition.controller()
+    last = flown(composition, law)[-1]
+    wheels = law._laws["adaptive"]._wheels  # type: ignore[attr-defined]
+    held = wheels.momentum + 0.25 * last.output.command.wrench[3:]
+    np.testing.assert_allclose(held, last.sample.telemetry["wheel_momentum"], atol=1e-12)
+
+
 def test_a_law_that_gives_up_is_named_once() -> None:
     """The error is that of the law that flies, as if it flew alone: law, quantity, time."""
     composition = composed("controller={law: none, standby: {fails: {law: 'tests.laws:GivesUp'}}, handover: 0}")

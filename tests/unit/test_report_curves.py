@@ -15,7 +15,8 @@ from space_robot_bringup.reproduce.spec import Figure, Panel
 
 pytest.importorskip("matplotlib")
 from space_robot_bringup.report.chart import plain
-from space_robot_bringup.report.curves import PALETTE, SINGLY, Curve, curves_of
+from space_robot_bringup.report.curves import SINGLY, Curve, curves_of
+from space_robot_bringup.report.palette import PALETTE
 
 TIME = np.arange(5.0)
 EXPERIMENT = load_experiment("liu2023/fig08")

@@ -1,0 +1,96 @@
+"""What ``space-robot check`` says of a file before anything is flown: an experiment, a campaign or a paper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from space_robot_bringup.campaign.cases import check_cases
+from space_robot_bringup.campaign.spec import Campaign, load_campaign
+from space_robot_bringup.compose import compose
+from space_robot_bringup.experiment import Experiment, load_experiment
+from space_robot_bringup.reproduce.check import check_plan
+from space_robot_bringup.reproduce.plan import load_plan
+from space_robot_bringup.reproduce.spec import Manifest
+from space_robot_description.share import is_file, shipped
+from space_robot_description.spec import Strict
+from space_robot_description.validation import parse_yaml
+from space_robot_msgs_py.errors import SpecError
+
+KINDS: dict[str, type[Strict]] = {"experiment": Experiment, "campaign": Campaign, "paper": Manifest}
+FOLDERS = {"experiment": "experiments", "campaign": "campaigns", "paper": "papers"}
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """The answer.
+
+    Attributes:
+        summary: one line.
+        facts: what else is known of it.
+        warnings: what it will run into.
+    """
+
+    summary: str
+    facts: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def kind_of(name_or_path: str) -> str:
+    """``experiment``, ``campaign`` or ``paper``: by the keys of a file, by the folder of a shipped name.
+
+    A name that is shipped as an experiment and as a campaign is the experiment.
+    """
+    if is_file(path := Path(name_or_path)):
+        data: Any = parse_yaml(path)
+        return "paper" if "figures" in data else "campaign" if "experiment" in data else "experiment"
+    return next((kind for kind, folder in FOLDERS.items() if name_or_path in shipped(folder)), "experiment")
+
+
+def check_file(name_or_path: str, kind: str, overrides: Sequence[str] = ()) -> Checked:
+    """Check everything that can be checked without flying.
+
+    Args:
+        name_or_path: shipped name or YAML file.
+        kind: see ``kind_of``.
+        overrides: ``dotted.key=value`` of an experiment.
+
+    Raises:
+        SpaceRobotError: what is wrong; the message names the key.
+    """
+    if kind not in KINDS:
+        raise SpecError("no such kind", key="--kind", value=kind, accepted=", ".join(KINDS))
+    if overrides and kind != "experiment":
+        raise SpecError("is for experiments", key="--set", value=list(overrides), accepted=f"keys in the {kind}'s file")
+    return {"experiment": _experiment, "campaign": _campaign, "paper": _paper}[kind](name_or_path, overrides)
+
+
+def _experiment(name: str, overrides: Sequence[str]) -> Checked:
+    composition = compose(load_experiment(name, overrides))
+    spec, nominal, review = composition.experiment, composition.nominal, composition.review()
+    summary = (
+        f"{nominal.name}, {nominal.n} joints, {spec.controller.law}, {spec.steps} periods of {spec.control_period:g} s"
+    )
+    return Checked(summary, review.facts, review.warnings)
+
+
+def _campaign(name: str, _: Sequence[str]) -> Checked:
+    campaign = load_campaign(name)
+    firsts = check_cases(campaign)
+    facts = tuple(f"varies {key}: {', '.join(map(str, values))}" for key, values in campaign.vary.items())
+    facts += tuple(f"draws {key}" for key in campaign.disperse)
+    warnings = dict.fromkeys(warning for composition in firsts for warning in composition.review().warnings)
+    summary = f"{campaign.cases} cases, {campaign.points} points of {campaign.runs} runs"
+    return Checked(summary, facts, tuple(warnings))
+
+
+def _paper(name: str, _: Sequence[str]) -> Checked:
+    plan = load_plan(name)
+    check_plan(plan, plan.manifest.figures)
+    facts = tuple(
+        f"{figure}: {spec.title} ({sum(map(len, plan.runs[figure].values()))} runs, {len(spec.claims)} claims)"
+        for figure, spec in plan.manifest.figures.items()
+    )
+    return Checked(f"{len(facts)} figures and studies, {len(plan.flights(plan.manifest.figures))} flights", facts)
