@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import Vector, vector
+from space_robot_msgs_py.vectors import Vector, vector
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -23,8 +23,7 @@ def replay_controller(recording: Recording, tolerance: Tolerance) -> Outcome:
     """Feed every recorded state and reference to a fresh controller and compare what it says.
 
     A reference that is not in the bag is that of the experiment. A state without a recorded answer passed by while the
-    controller was inactive (in a paced run; else it would have waited): the fresh law is not asked either, and starts
-    anew with the next one, as ControllerNode does.
+    controller was inactive (in a paced run; else it would have waited): the fresh law is not asked either.
 
     Raises:
         LogError: there is nothing to compare.
@@ -46,7 +45,6 @@ class _Replay:
         # Where the recorded law gave up, the state it had no answer to is the last one.
         failed = self._ended.startswith(FAILED)
         self._final = max((stamp for stamp, _ in recording.rows()), default=-1) if failed else -1
-        self._passed_by = False
         self._ticks, self._last = 0, -1
 
     def run(self) -> Outcome:
@@ -59,7 +57,11 @@ class _Replay:
         comparison = self._comparison
         if not comparison.compared and comparison.first is None:
             missing = ", ".join(topic.name for topic in (*topics_of("state"), *topics_of("command")))
-            raise LogError("nothing to compare with a controller", key=str(self._recording.path), accepted=missing)
+            raise LogError(
+                "nothing to compare with a controller",
+                key=str(self._recording.path),
+                accepted=f"{missing}; see info and recover",
+            )
         remarks = [f"{count} {what}" for what, count in self._notes.items()] + ([stop] if stop else [])
         absent = absent_topics(comparison, _ANSWERS, self._tolerance.ignore)
         return Outcome("controller", comparison, self._ticks, self._last, absent, tuple(remarks))
@@ -78,12 +80,8 @@ class _Replay:
             return f"the state at {stamp} ns cannot be used ({error}): not compared from there on"
         answered = any(topic.name in parts for topic in topics_of("command"))
         if not (answered or stamp == self._final):
-            self._notes["states have no recorded answer: nobody was asked, and the law then started anew"] += 1
-            self._passed_by = True
+            self._notes["states have no recorded answer, so nobody was asked"] += 1
             return ""
-        if self._passed_by:
-            self._law.reset()
-            self._passed_by = False
         self._ticks += 1
         self._happen(parts)
         try:

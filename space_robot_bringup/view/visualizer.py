@@ -18,6 +18,10 @@ class RobotVisualizer(ViserVisualizer):  # type: ignore[misc]
             super().loadViewerGeometryObject(geometry_object, prefix, color)
         except (ValueError, RuntimeError, OSError, ImportError, AttributeError):
             add_triangles(self, geometry_object, prefix, geometry_object.meshColor)
+        shown = self.frames[f"{prefix}/{geometry_object.name}"]
+        # An opacity of 1 is drawn with the transparent things, in an order that shows what is inside.
+        if getattr(shown, "opacity", None) == 1.0:
+            shown.opacity = None
 
 
 class GhostVisualizer(ViserVisualizer):  # type: ignore[misc]

@@ -11,7 +11,7 @@ from space_robot_control.rotations import from_rpy, normalized
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import Vector, vector
+from space_robot_msgs_py.vectors import Vector, vector
 
 LIMIT_TOLERANCE = 1e-5  # [rad]; limits in robot files are often rounded: 3.14159 for 180 degrees
 

@@ -1,21 +1,34 @@
-"""Follow a run of other processes through the log that grows."""
+"""Other processes of a test: followed through the log that grows, and none left behind."""
 
 from __future__ import annotations
 
 import contextlib
 import subprocess
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from time import monotonic
 
-from space_robot_msgs_py.errors import InputFileError
+from space_robot_msgs_py.errors import InputFileError, LogError
 from space_robot_msgs_py.log_reader import LogReader
 
 POLL_SECONDS = 0.2
 
 
+@contextlib.contextmanager
+def ended(children: Sequence[subprocess.Popen[str]]) -> Iterator[Sequence[subprocess.Popen[str]]]:
+    """Whatever happens in the block, none of them outlives it."""
+    try:
+        yield children
+    finally:
+        for child in children:
+            if child.poll() is None:
+                child.kill()
+                child.wait()
+
+
 def ticks_in(run: Path) -> int:
     """Complete ticks in a log; 0 where there is none yet."""
-    with contextlib.suppress(InputFileError):
+    with contextlib.suppress(InputFileError, LogError):
         return sum(1 for _ in LogReader(run).ticks())
     return 0
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.integration.distribution import copy_source, executables, foreign_environment, make_venv
+from tests.integration.follow import ended
 
 pytest.importorskip("rclpy")
 from space_robot_bringup.graph import reserved_domain
@@ -69,6 +70,7 @@ def _fly(prefix: Path, environment: dict[str, str], run: Path) -> LogReader:
             )
             for node in (*NODES, "space_robot_sim/simulator")
         ]
-        said = [child.communicate(timeout=DEADLINE)[1] for child in children]
+        with ended(children):
+            said = [child.communicate(timeout=DEADLINE)[1] for child in children]
     assert [child.returncode for child in children] == [0] * len(children), said
     return LogReader(run)

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from tests.integration.distribution import build_wheel, executables, foreign_environment, make_venv
+from tests.integration.follow import ended
 
 pytest.importorskip("rclpy")
 from rcl_interfaces.srv import ListParameters
@@ -97,11 +98,12 @@ def test_every_node_starts_tells_its_parameters_and_stops(
             )
             for number in (signal.SIGINT, signal.SIGTERM)
         }
-        for number, child in crew.items():
-            told = observer(f"/{number.name.lower()}/node", child)
-            assert ("use_sim_time" if executable == REPLAYER else "experiment") in told
-            child.send_signal(number)
-        said = {number: child.communicate(timeout=DEADLINE)[0] for number, child in crew.items()}
+        with ended([*crew.values()]):
+            for number, child in crew.items():
+                told = observer(f"/{number.name.lower()}/node", child)
+                assert ("use_sim_time" if executable == REPLAYER else "experiment") in told
+                child.send_signal(number)
+            said = {number: child.communicate(timeout=DEADLINE)[0] for number, child in crew.items()}
     for number, child in crew.items():
         assert child.returncode == 0, said[number]
         assert "Traceback" not in said[number]

@@ -11,6 +11,7 @@ import pytest
 
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
+from tests.integration.follow import ended
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -37,10 +38,10 @@ def test_two_runs_at_once_leave_the_logs_of_two_runs_alone(tmp_path: Path) -> No
         )
         for name, keys in overrides.items()
     ]
-    for child in children:
-        said = child.communicate(timeout=DEADLINE)[1]
-        # The verdict expects what the paper's own law reaches; here only the files count.
-        assert child.returncode in {0, 1}, said
+    with ended(children):
+        said = [child.communicate(timeout=DEADLINE)[1] for child in children]
+    # The verdict expects what the paper's own law reaches; here only the files count.
+    assert {child.returncode for child in children} <= {0, 1}, said
     for name, keys in overrides.items():
         run_experiment(load_experiment("liu2023/fig11", keys), tmp_path / "alone" / name, mode="headless")
         flown, alone = (folder / name / f"{name}_0.mcap" for folder in (tmp_path, tmp_path / "alone"))

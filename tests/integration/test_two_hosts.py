@@ -19,7 +19,7 @@ from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log_reader import LogReader
-from tests.integration.follow import await_ticks, ticks_in
+from tests.integration.follow import await_ticks, ended, ticks_in
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.netns, pytest.mark.xdist_group("hosts")]
@@ -29,8 +29,9 @@ ROLES = {"recorder": "flight", "simulator": "flight", "guidance": "ground", "con
 CUT_SECONDS = 5.0
 DEADLINE = 120.0
 PACE, PERIOD = 2.0, 0.25
-# Hosts share no memory, the two namespaces of this machine would.
-ENVIRONMENT = os.environ | {"ROS_DOMAIN_ID": "7", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
+# Hosts share no memory, the two namespaces of this machine would. What is heard by default is to be seen.
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "ROS_AUTOMATIC_DISCOVERY_RANGE"}
+ENVIRONMENT |= {"ROS_DOMAIN_ID": "7", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
 # Looks around until a simulator is seen, at most so many seconds.
 LOOK = """
 import sys
@@ -115,7 +116,7 @@ def fly(hosts: TwoHosts, run: Path, ticks: int, *options: str) -> tuple[int, int
     Returns the ticks in the log amid the time without a link and at its end.
     """
     children = {role: hosts.start(role, run, *options) for role in ROLES}
-    try:
+    with ended([*children.values()]):
         await_ticks(run, ticks, children["recorder"], DEADLINE)
         hosts.cable("down")
         sleep(CUT_SECONDS / 2)
@@ -124,11 +125,6 @@ def fly(hosts: TwoHosts, run: Path, ticks: int, *options: str) -> tuple[int, int
         late = ticks_in(run)
         hosts.cable("up")
         said = {role: child.communicate(timeout=DEADLINE)[0] for role, child in children.items()}
-    finally:
-        for child in children.values():
-            if child.poll() is None:
-                child.kill()
-                child.wait()
     assert [child.returncode for child in children.values()] == [0, 0, 0, 0], said
     assert LogReader(run).end_reason == "completed"
     return amid, late
@@ -159,11 +155,9 @@ def test_a_paced_run_holds_while_the_link_is_down_and_recovers(hosts: TwoHosts, 
 
 def test_hosts_that_were_not_named_do_not_hear_each_other(hosts: TwoHosts, tmp_path: Path) -> None:
     """On one domain, with a link, a node is seen on its own host only: discovery is local unless told otherwise."""
-    simulator = hosts.start("simulator", tmp_path / "run", named=False)
-    try:
+    with ended([hosts.start("simulator", tmp_path / "run", named=False)]) as (simulator,):
         assert hosts.sees_simulator("flight", DEADLINE)
         assert not hosts.sees_simulator("ground", CUT_SECONDS)
-    finally:
         simulator.send_signal(signal.SIGTERM)
         said = simulator.communicate(timeout=DEADLINE)[0]
     assert simulator.returncode == 0, said

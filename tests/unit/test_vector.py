@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from space_robot_msgs_py.errors import CommandError, NonFiniteError
-from space_robot_msgs_py.interfaces import vector
+from space_robot_msgs_py.vectors import vector
 
 HUGE = 1.7e308
 
