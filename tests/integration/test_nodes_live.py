@@ -256,7 +256,8 @@ def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Pa
 
 def test_the_pace_can_be_changed_in_flight(tmp_path: Path) -> None:
     """A run that would take half a day ends at once; what is no pace is refused."""
-    with flight(tmp_path / "run", realtime=1e-3, services=True) as robot:
+    alone = ("recorder", "guidance", "simulator")
+    with flight(tmp_path / "run", roles=alone, realtime=1e-3, services=True) as robot:
         robot.spin_until(lambda: robot.simulator.started, "the start")
         for wrong in (0.0, 0, -1.0, "fast", float("nan"), True):
             assert not set_parameters(robot, "simulator", realtime=wrong).successful
