@@ -34,7 +34,7 @@ def numbers(status: Any) -> dict[str, str]:
 
 def test_both_nodes_say_how_they_are(tmp_path: Path) -> None:
     """Rate, counts, saturation, residuals, computation time and the condition of the estimator are there."""
-    with flight(tmp_path / "run", "controller={law: adaptive}", "duration=400.0", realtime=20.0) as robot:
+    with flight(tmp_path / "run", "controller={law: adaptive}", "duration=400.0", realtime=5.0) as robot:
         newest = heard(robot)
         wanted = ("simulator: commands", "simulator: plant", "controller: law", "controller: estimator")
         robot.spin_until(lambda: all(name in newest for name in wanted), "all four statuses")
