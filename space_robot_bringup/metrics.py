@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Tick, Vector
+from space_robot_msgs_py.log_arrays import stack_telemetry
 
 Matrix = npt.NDArray[np.float64]
 
@@ -126,9 +127,10 @@ def measure(
             "a run without a complete tick cannot be judged", key="ticks", value=0, accepted="at least 1"
         )
     time = np.array([tick.stamp for tick in rows]) / NANOSECONDS
-    truth = np.array([tick.sample.telemetry["true_configuration"] for tick in rows])
+    plant = stack_telemetry([tick.sample.telemetry for tick in rows])
+    truth = plant["true_configuration"]
     desired = np.array([tick.reference.q for tick in rows])
-    moving = np.array([np.abs(tick.reference.v).max() > STILL for tick in rows])
+    moving = np.abs(np.array([tick.reference.v for tick in rows])).max(axis=1) > STILL
     errors, from_goal = deviations(truth, desired), deviations(truth, np.repeat(desired[-1:], len(rows), axis=0))
     names = axis_names(joint_names, base_translation=True)
     lengths = [True] * 3 + [False] * 3 + list(prismatic or [False] * len(joint_names))
@@ -141,7 +143,7 @@ def measure(
         )
         for i in range(0 if base_translation else 3, len(names))
     )
-    return _with_totals(rows, time, axes)
+    return _with_totals(plant, time, axes)
 
 
 def deviations(q: Matrix, goal: Matrix) -> Matrix:
@@ -197,21 +199,20 @@ def _axis(
     )
 
 
-def _with_totals(rows: list[Tick], time: Vector, axes: tuple[Axis, ...]) -> RunMetrics:
-    plant = [tick.sample.telemetry for tick in rows]
-    flown = plant[1:] or plant
-    torque = np.array([np.abs(t["applied_wrench"][3:]).sum() + np.abs(t["applied_effort"]).sum() for t in plant])
+def _with_totals(plant: Mapping[str, Matrix], time: Vector, axes: tuple[Axis, ...]) -> RunMetrics:
+    saturated = plant["saturation"].max(axis=1, initial=0.0) > 0.0
+    torque = np.abs(plant["applied_wrench"][:, 3:]).sum(axis=1) + np.abs(plant["applied_effort"]).sum(axis=1)
     period = np.diff(time, prepend=time[0])
     metrics = RunMetrics(
-        ticks=len(rows),
+        ticks=time.size,
         simulated_time=float(time[-1] - time[0]),
         axes=axes,
-        saturation_share=float(np.mean([t["saturation"].any() for t in flown])),
-        momentum_residual=_largest(plant, "momentum_residual"),
-        energy_residual=_largest(plant, "energy_residual"),
-        quaternion_residual=_largest(plant, "quaternion_residual"),
+        saturation_share=float(np.mean(saturated[1:] if time.size > 1 else saturated)),
+        momentum_residual=_largest(plant["momentum_residual"]),
+        energy_residual=_largest(plant["energy_residual"]),
+        quaternion_residual=_largest(plant["quaternion_residual"]),
         effort_integral=float(torque @ period),
-        joint_limit=_largest(plant, "joint_limit"),
+        joint_limit=_largest(plant["joint_limit"]),
     )
     for key, value in metrics.flat().items():
         if value is not None and not np.isfinite(value):
@@ -219,6 +220,5 @@ def _with_totals(rows: list[Tick], time: Vector, axes: tuple[Axis, ...]) -> RunM
     return metrics
 
 
-def _largest(telemetry: Sequence[object], label: str) -> float:
-    # One array: a reduction per tick is most of what judging a run takes.
-    return float(np.max(np.abs(np.array([t[label] for t in telemetry])), initial=0.0))  # type: ignore[index]
+def _largest(block: Matrix) -> float:
+    return float(np.max(np.abs(block), initial=0.0))

@@ -115,12 +115,13 @@ def arrays_of(ticks: Sequence[Tick]) -> LogArrays:
         a_d=np.array([reference.a for reference in references]),
         wrench=np.array([command.wrench for command in commands]),
         effort_command=np.array([command.effort for command in commands]),
-        controller=_cut([tick.output.telemetry for tick in ticks]),
-        plant=_cut([tick.sample.telemetry for tick in ticks]),
+        controller=stack_telemetry([tick.output.telemetry for tick in ticks]),
+        plant=stack_telemetry([tick.sample.telemetry for tick in ticks]),
     )
 
 
-def _cut(telemetry: Sequence[Telemetry]) -> dict[str, Vector]:
+def stack_telemetry(telemetry: Sequence[Telemetry]) -> dict[str, Vector]:
+    """Stack telemetry of one layout, at least one: block name to (K, size)."""
     data = np.array([one.data for one in telemetry])
     return _blocks(telemetry[0].labels, telemetry[0].sizes, data)
 
