@@ -25,6 +25,16 @@ PER_RUN = (
     "effort_integral",
     "joint_limit",
 )
+PLANT_BLOCKS = (
+    "true_configuration",
+    "saturation",
+    "applied_wrench",
+    "applied_effort",
+    "momentum_residual",
+    "energy_residual",
+    "quaternion_residual",
+    "joint_limit",
+)
 STILL = 1e-9
 MOVED = 1e-6
 
@@ -120,6 +130,7 @@ def measure(
 
     Raises:
         NonFiniteError: there is no tick, or a number is not finite.
+        LayoutError: a block of the plant's telemetry is missing, or its layout changes.
     """
     rows = list(ticks)
     if not rows:
@@ -127,7 +138,7 @@ def measure(
             "a run without a complete tick cannot be judged", key="ticks", value=0, accepted="at least 1"
         )
     time = np.array([tick.stamp for tick in rows]) / NANOSECONDS
-    plant = stack_telemetry([tick.sample.telemetry for tick in rows])
+    plant = stack_telemetry([tick.sample.telemetry for tick in rows], PLANT_BLOCKS)
     truth = plant["true_configuration"]
     desired = np.array([tick.reference.q for tick in rows])
     moving = np.abs(np.array([tick.reference.v for tick in rows])).max(axis=1) > STILL

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -120,10 +120,23 @@ def arrays_of(ticks: Sequence[Tick]) -> LogArrays:
     )
 
 
-def stack_telemetry(telemetry: Sequence[Telemetry]) -> dict[str, Vector]:
-    """Stack telemetry of one layout, at least one: block name to (K, size)."""
-    data = np.array([one.data for one in telemetry])
-    return _blocks(telemetry[0].labels, telemetry[0].sizes, data)
+def stack_telemetry(telemetry: Sequence[Telemetry], needed: Iterable[str] = ()) -> dict[str, Vector]:
+    """Stack telemetry of one layout, at least one: block name to (K, size).
+
+    Args:
+        telemetry: of a run.
+        needed: blocks that have to be there.
+
+    Raises:
+        LayoutError: the layout changes, or a block is missing.
+    """
+    labels, sizes = telemetry[0].labels, telemetry[0].sizes
+    for one in telemetry:
+        if (one.labels, one.sizes) != (labels, sizes):
+            raise LayoutError("the blocks change within a run", key="telemetry", value=f"at {one.stamp} ns")
+    if missing := [label for label in needed if label not in labels]:
+        raise LayoutError("no such block", key="telemetry", value=missing[0], accepted=", ".join(labels))
+    return _blocks(labels, sizes, np.array([one.data for one in telemetry]))
 
 
 def _blocks(labels: Sequence[str], sizes: Sequence[int], data: Vector) -> dict[str, Vector]:

@@ -15,9 +15,9 @@ from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.memory_flight import fly_in_memory, write_bag
 from space_robot_msgs_py.codecs import LOGGED, TickCodec
-from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
-from space_robot_msgs_py.interfaces import NANOSECONDS
-from space_robot_msgs_py.log_arrays import LogArrays, arrays_of
+from space_robot_msgs_py.errors import InputFileError, LayoutError, LogError, SpaceRobotError
+from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry
+from space_robot_msgs_py.log_arrays import LogArrays, arrays_of, stack_telemetry
 from space_robot_msgs_py.log_preamble import log_name
 from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.log_writer import LogSink, LogWriter
@@ -322,3 +322,14 @@ def test_ticks_in_memory_stack_like_a_log_of_them(tmp_path: Path) -> None:
         pairs = [(ours[label], theirs[label]) for label in theirs] if isinstance(theirs, dict) else [(ours, theirs)]
         for a, b in pairs:
             np.testing.assert_array_equal(a, b)
+
+
+def test_telemetry_that_changes_within_a_run_is_refused():
+    """Another layout at one tick, or a block that is not there, is one clear error and no array of something else."""
+    first = Telemetry.of(0, {"a": [1.0, 2.0], "b": 3.0})
+    assert stack_telemetry([first, Telemetry.of(1, {"a": [4.0, 5.0], "b": 6.0})])["a"].tolist() == [[1, 2], [4, 5]]
+    for other in ({"a": [1.0, 2.0], "c": 3.0}, {"a": 1.0, "b": [2.0, 3.0]}, {"a": [1.0, 2.0]}):
+        with pytest.raises(LayoutError, match="change"):
+            stack_telemetry([first, Telemetry.of(1, other)])
+    with pytest.raises(LayoutError, match="z"):
+        stack_telemetry([first], ("a", "z"))
