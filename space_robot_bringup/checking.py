@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.campaign.cases import check_cases
 from space_robot_bringup.campaign.spec import Campaign, load_campaign
+from space_robot_bringup.compiling import notice
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import Experiment, load_experiment
 from space_robot_bringup.reproduce.check import check_plan
-from space_robot_bringup.reproduce.plan import load_plan
+from space_robot_bringup.reproduce.plan import Plan, load_plan
 from space_robot_bringup.reproduce.spec import Manifest
 from space_robot_description.share import is_file, shipped
 from space_robot_description.spec import Strict
@@ -49,13 +50,16 @@ def kind_of(name_or_path: str) -> str:
     return next((kind for kind, folder in FOLDERS.items() if name_or_path in shipped(folder)), "experiment")
 
 
-def check_file(name_or_path: str, kind: str, overrides: Sequence[str] = ()) -> Checked:
+def check_file(
+    name_or_path: str, kind: str, overrides: Sequence[str] = (), say: Callable[[str], None] = lambda line: None
+) -> Checked:
     """Check everything that can be checked without flying.
 
     Args:
         name_or_path: shipped name or YAML file.
         kind: see ``kind_of``.
         overrides: ``dotted.key=value`` of an experiment.
+        say: told what has to be compiled before the answer.
 
     Raises:
         SpaceRobotError: what is wrong; the message names the key.
@@ -64,20 +68,23 @@ def check_file(name_or_path: str, kind: str, overrides: Sequence[str] = ()) -> C
         raise SpecError("no such kind", key="--kind", value=kind, accepted=", ".join(KINDS))
     if overrides and kind != "experiment":
         raise SpecError("is for experiments", key="--set", value=list(overrides), accepted=f"keys in the {kind}'s file")
-    return {"experiment": _experiment, "campaign": _campaign, "paper": _paper}[kind](name_or_path, overrides)
+    if kind == "experiment":
+        return _experiment(load_experiment(name_or_path, overrides), say)
+    return _campaign(load_campaign(name_or_path)) if kind == "campaign" else _paper(load_plan(name_or_path))
 
 
-def _experiment(name: str, overrides: Sequence[str]) -> Checked:
-    composition = compose(load_experiment(name, overrides))
-    spec, nominal, review = composition.experiment, composition.nominal, composition.review()
+def _experiment(spec: Experiment, say: Callable[[str], None]) -> Checked:
+    if line := notice(spec.controller.law_names, plant=False):
+        say(line)
+    composition = compose(spec)
+    nominal, review = composition.nominal, composition.review()
     summary = (
         f"{nominal.name}, {nominal.n} joints, {spec.controller.law}, {spec.steps} periods of {spec.control_period:g} s"
     )
     return Checked(summary, review.facts, review.warnings)
 
 
-def _campaign(name: str, _: Sequence[str]) -> Checked:
-    campaign = load_campaign(name)
+def _campaign(campaign: Campaign) -> Checked:
     firsts = check_cases(campaign)
     facts = tuple(f"varies {key}: {', '.join(map(str, values))}" for key, values in campaign.vary.items())
     facts += tuple(f"draws {key}" for key in campaign.disperse)
@@ -86,8 +93,7 @@ def _campaign(name: str, _: Sequence[str]) -> Checked:
     return Checked(summary, facts, tuple(warnings))
 
 
-def _paper(name: str, _: Sequence[str]) -> Checked:
-    plan = load_plan(name)
+def _paper(plan: Plan) -> Checked:
     check_plan(plan, plan.manifest.figures)
     facts = tuple(
         f"{figure}: {spec.title} ({sum(map(len, plan.runs[figure].values()))} runs, {len(spec.claims)} claims)"

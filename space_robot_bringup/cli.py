@@ -54,13 +54,8 @@ def check(
 ) -> None:
     """Check an experiment, a campaign or a paper's manifest completely without flying it."""
     from space_robot_bringup.checking import check_file, kind_of
-    from space_robot_bringup.compiling import notice
-    from space_robot_bringup.experiment import load_experiment
 
-    kind = kind or kind_of(file)
-    if kind == "experiment" and (line := notice(load_experiment(file, set_ or ()).controller.law_names, plant=False)):
-        err.print(line)
-    checked = check_file(file, kind, set_ or ())
+    checked = check_file(file, kind or kind_of(file), set_ or (), err.print)
     out.print(f"{file}: fine. {checked.summary}", markup=False, soft_wrap=True)
     for line in checked.facts:
         out.print(f"  {line}", markup=False, soft_wrap=True)

@@ -16,6 +16,11 @@ def laws_to_compile(laws: Iterable[str]) -> list[str]:
     return [name for name in dict.fromkeys(laws) if _must_compile(name)]
 
 
+def must_compile(laws: Iterable[str], *, plant: bool = True) -> bool:
+    """True if something of such runs has to be compiled before it can fly."""
+    return (plant and plant_must_compile()) or bool(laws_to_compile(laws))
+
+
 def notice(laws: Iterable[str], *, plant: bool = True) -> str:
     """One line about what has to be compiled before such runs; empty if nothing has to.
 

@@ -12,7 +12,7 @@ from distributed import Client, LocalCluster, Nanny
 from distributed.comm.core import CommClosedError
 
 from space_robot_bringup.campaign.worker import PINNED, warm
-from space_robot_bringup.compiling import notice
+from space_robot_bringup.compiling import must_compile
 from space_robot_bringup.compose import versions
 from space_robot_bringup.experiment import experiment_from
 from space_robot_msgs_py.errors import SpecError
@@ -43,7 +43,7 @@ def workers_at(address: str | None, workers: int, first: Mapping[str, Any]) -> I
         SpecError: nobody answers at the address, or its workers could not give the same bits.
     """
     _quiet()
-    if address is None and notice([experiment_from(first, "first case").controller.law]):
+    if address is None and must_compile(experiment_from(first, "first case").controller.law_names):
         # Once and here, not by every worker at the same time.
         warm(first)
     with _local(workers) if address is None else _remote(address) as client:

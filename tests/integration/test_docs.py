@@ -124,6 +124,14 @@ def commands() -> list[str]:
     )
 
 
+def exit_code(line: str, monkeypatch: pytest.MonkeyPatch) -> object:
+    """What a command line ends with."""
+    monkeypatch.setattr(sys, "argv", shlex.split(line))
+    with pytest.raises(SystemExit) as end:
+        main()
+    return end.value.code
+
+
 @pytest.mark.parametrize("command", commands())
 def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
     """A command copied from a page or an example exits with 0, placeholders filled in and a short flight."""
@@ -170,10 +178,7 @@ def test_commands_of_the_comparison_page_work_in_their_order(tmp_path: Path, mon
     lines = [line for line in shell_lines("compare.md") if line]
     assert len(lines) == 3
     for line in lines:
-        monkeypatch.setattr(sys, "argv", shlex.split(line.replace("FILE", "small.yaml")))
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert end.value.code == 0, line
+        assert exit_code(line.replace("FILE", "small.yaml"), monkeypatch) == 0, line
 
 
 def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -182,10 +187,7 @@ def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeyp
     lines = [line for line in shell_lines("replay.md") if line.startswith("space-robot") and "--publish" not in line]
     assert len(lines) == 5
     for line in lines:
-        monkeypatch.setattr(sys, "argv", shlex.split(line))
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert end.value.code == (1 if "--set" in line else 0), line
+        assert exit_code(line, monkeypatch) == (1 if "--set" in line else 0), line
 
 
 def test_commands_of_the_page_on_seeing_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -195,9 +197,6 @@ def test_commands_of_the_page_on_seeing_work_in_their_order(tmp_path: Path, monk
     lines = [line for line in shell_lines("view.md") if line.startswith("space-robot") and " view " not in line]
     assert len(lines) == 4
     for line in lines:
-        monkeypatch.setattr(sys, "argv", shlex.split(line))
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert end.value.code == 0, line
+        assert exit_code(line, monkeypatch) == 0, line
     assert (tmp_path / "runs" / "fig08.html").is_file()
     assert (tmp_path / "runs" / "mc.html").is_file()
