@@ -15,7 +15,7 @@ from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import CLOCK, ROBOT_DESCRIPTION, TABLE, Topic
 from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.pacing import Pacer
-from space_robot_sim.nodes.services import RunServices
+from space_robot_sim.nodes.services import RunServices, StepGate
 
 WATCH_SECONDS = 1.0
 
@@ -72,7 +72,7 @@ class ReplayerNode(GraphNode):
             self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
             self._description_publisher.publish(encode_string(urdf))
         self.index = 0
-        self._steps_granted: int | None = 0 if paused else None
+        self._gate = StepGate(paused=paused)
         self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=False) if rate is None else None
         self.pacer = None if rate is None else Pacer(self, period / rate, self._on_period)
         self._steering = RunServices(self)
@@ -89,16 +89,16 @@ class ReplayerNode(GraphNode):
     @property
     def paused(self) -> bool:
         """True while only ``~/step`` advances."""
-        return self._steps_granted is not None
+        return self._gate.paused
 
     def pause(self, paused: bool) -> None:
         """Stop at the next tick, or go on."""
-        self._steps_granted = 0 if paused else None
+        self._gate.pause(paused)
         self._on_answer()
 
     def step_once(self) -> None:
         """While paused: publish one more tick, in lock-step as soon as the newest one is answered."""
-        self._steps_granted = (self._steps_granted or 0) + 1
+        self._gate.grant()
         if self.commands is None:
             self._advance()
         else:
@@ -134,11 +134,7 @@ class ReplayerNode(GraphNode):
             self._advance_to_next()
 
     def _may_advance(self) -> bool:
-        if self.end_reason is not None or self._steps_granted == 0:
-            return False
-        if self._steps_granted is not None:
-            self._steps_granted -= 1
-        return True
+        return self.end_reason is None and self._gate.take()
 
     def _advance_to_next(self) -> None:
         if self.index + 1 < len(self._ticks):

@@ -1,4 +1,4 @@
-"""The simulator's services: pause, step, reset."""
+"""What steers a run: the gate that holds it, and the services pause, step, reset."""
 
 from __future__ import annotations
 
@@ -27,6 +27,38 @@ class Steerable(Protocol):
 
     def reset(self) -> None:
         """Start again."""
+
+
+class StepGate:
+    """Lets a run go on, or only by the steps that were granted while it is paused.
+
+    Args:
+        paused: begin so.
+    """
+
+    def __init__(self, *, paused: bool = False) -> None:
+        self.pause(paused)
+
+    @property
+    def paused(self) -> bool:
+        """True while only granted steps advance the run."""
+        return self._granted is not None
+
+    def pause(self, paused: bool) -> None:
+        """Stop at the next tick, or go on; steps that were granted and not taken are forgotten."""
+        self._granted: int | None = 0 if paused else None
+
+    def grant(self) -> None:
+        """One more step while paused."""
+        self._granted = (self._granted or 0) + 1
+
+    def take(self) -> bool:
+        """True if the run may take a step now, which is then used up."""
+        if self._granted == 0:
+            return False
+        if self._granted is not None:
+            self._granted -= 1
+        return True
 
 
 class RunServices:

@@ -13,7 +13,7 @@ from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, 
 from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.health import SimulatorHealth
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
-from space_robot_sim.nodes.services import RunServices
+from space_robot_sim.nodes.services import RunServices, StepGate
 from space_robot_sim.nodes.transforms import TransformPublisher
 
 
@@ -70,7 +70,7 @@ class SimulatorNode(ManagedNode):
         """Build the plant and listen; time stands still until it is activated."""
         self._plant = self._make_plant()
         self.sample, self.tick, self.started = self._plant.reset(), 0, False
-        self._steps_granted: int | None = None
+        self._gate = StepGate()
         self._credit = -1 if self._recorded else self._steps * self._period
         self._state_publishers = [self.publisher(topic) for topic in self._states.topics]
         self._telemetry_publisher = self.publisher(PLANT_TELEMETRY)
@@ -119,16 +119,16 @@ class SimulatorNode(ManagedNode):
     @property
     def paused(self) -> bool:
         """True while only ``~/step`` advances the plant."""
-        return self._steps_granted is not None
+        return self._gate.paused
 
     def pause(self, paused: bool) -> None:
         """Stop at the next tick, or go on."""
-        self._steps_granted = 0 if paused else None
+        self._gate.pause(paused)
         self._on_answer()
 
     def step_once(self) -> None:
         """While paused: let the plant take one step as soon as its command is there."""
-        self._steps_granted = (self._steps_granted or 0) + 1
+        self._gate.grant()
         self._on_answer()
 
     def reset(self) -> None:
@@ -173,13 +173,11 @@ class SimulatorNode(ManagedNode):
             self.fail(error)
 
     def _may_advance(self) -> bool:
-        if not self.active or self.end_reason is not None or not self.started or self._steps_granted == 0:
+        if not self.active or self.end_reason is not None or not self.started:
             return False
         if self.pacer is None and self.tick < self._steps and self.stamp + self._period > self._credit:
             return False
-        if self._steps_granted is not None:
-            self._steps_granted -= 1
-        return True
+        return self._gate.take()
 
     def _advance(self, command: Command | None) -> None:
         if self.tick == self._steps:
