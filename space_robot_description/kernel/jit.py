@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
+import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -19,6 +21,7 @@ COMPILED = numba is not None
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+_IMPORT = re.compile(r"^\s*(?:from|import)\s+([\w.]+\.kernel)\b", re.MULTILINE)
 # Kernel functions own no memory, arrays come from the caller: without reference counts (_nrt) they run a third faster.
 _OPTIONS = {"fastmath": False, "error_model": "numpy", "_nrt": False}
 
@@ -88,17 +91,41 @@ def constants(*numbers: int) -> tuple[Any, ...]:
 
 
 def digest(function: Callable[..., Any]) -> str:
-    """The digest of all sources that a kernel may contain: those of its own folder and those that kernels share."""
-    return _digest(Path(function.__code__.co_filename).parent)
+    """The digest of all sources a kernel may contain: its own folder and, transitively, the kernels it imports."""
+    return _digest(Path(function.__code__.co_filename))
 
 
 @cache
-def _digest(folder: Path) -> str:
+def _digest(source: Path) -> str:
     found = hashlib.sha256()
-    for path in (*sorted(Path(__file__).parent.glob("*.py")), *sorted(folder.glob("*.py"))):
+    for path in sorted(_sources(source)):
         found.update(path.name.encode())
         found.update(path.read_bytes())
     return found.hexdigest()
+
+
+def _sources(source: Path) -> set[Path]:
+    """Files whose text can be part of the machine code of a kernel in ``source``.
+
+    A compiled function contains its callees and constants. They stand in its own folder or in a folder named
+    ``kernel`` that its own folder imports from (a test forbids kernels to take anything but types from elsewhere).
+    """
+    folders, found = [Path(__file__).parent, source.parent], set[Path]()
+    for folder in folders:
+        for path in folder.glob("*.py"):
+            found.add(path)
+            imported = map(_folder, _IMPORT.findall(path.read_text(encoding="utf-8")))
+            folders += [other for other in imported if other is not None and other not in folders]
+    return found
+
+
+@cache
+def _folder(package: str) -> Path | None:
+    """Where a package lies, without importing it: what is loaded already must not change a digest."""
+    top, *rest = package.split(".")
+    spec = importlib.util.find_spec(top)
+    places = spec.submodule_search_locations if spec else None
+    return Path(places[0], *rest) if places else None
 
 
 def _watch_all_sources(compiled: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -21,6 +22,8 @@ from space_robot_sim.kernel.momentum import balance
 from space_robot_sim.kernel.period import fly
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from tests.robots import arm_model, random_model, random_state, robot_of
+
+ROOT = Path(__file__).parents[2]
 
 
 def _case(seed: int) -> tuple[Any, np.random.Generator, int, np.ndarray, np.ndarray]:
@@ -111,6 +114,42 @@ def test_cache_watches_every_kernel_file() -> None:
     """The cached machine code of an entry is tied to the digest of all kernel sources, not to one file's date."""
     compiled: Any = fly
     assert compiled._cache._cache_file._source_stamp == jit.digest(compiled.py_func)
+
+
+CALLEE = """
+from space_robot_description.kernel.jit import inner
+
+@inner
+def scaled(x):
+    return {factor} * x
+"""
+CALLER = """
+from made.shared.kernel.callee import scaled
+from space_robot_description.kernel.jit import kernel
+
+@kernel
+def call(x):
+    return scaled(x)
+"""
+
+
+@pytest.mark.skipif(not jit.COMPILED, reason="numba is not installed")
+def test_an_edited_callee_of_another_folder_is_compiled_again(tmp_path: Path) -> None:
+    """A cached kernel is not used any more once a function it inlines from another kernel folder was edited."""
+    for folder in ("made/shared/kernel", "made/law/kernel"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "made/law/kernel/caller.py").write_text(CALLER)
+    text = "from made.law.kernel.caller import call; print(call(1.5), sum(call.stats.cache_hits.values()))"
+    environment = os.environ | {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    seen = []
+    for factor in ("2.0", "2.0", "3.0"):
+        (tmp_path / "made/shared/kernel/callee.py").write_text(CALLEE.format(factor=factor))
+        command = [sys.executable, "-c", text]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=ROOT)
+        assert done.returncode == 0, done.stderr
+        seen.append(done.stdout.split())
+    assert seen == [["3.0", "0"], ["3.0", "1"], ["4.5", "0"]]
 
 
 def test_compiles_where_nothing_can_be_cached(monkeypatch: pytest.MonkeyPatch) -> None:
