@@ -14,11 +14,11 @@ from time import perf_counter
 import numpy as np
 import pinocchio as pin
 
-from space_robot_control.kernel.regressor import slotine_li
-from space_robot_control.kernel.tree import places, tree_of
-from space_robot_control.laws.adaptive import Adaptive
+from space_robot_control.laws.adaptive.kernel.regressor import slotine_li
+from space_robot_control.laws.adaptive.kernel.tree import places, tree_of
+from space_robot_control.laws.adaptive.law import Adaptive
+from space_robot_control.laws.adaptive.regressor import Regressor
 from space_robot_control.laws.computed_torque import ComputedTorque
-from space_robot_control.laws.regressor import Regressor
 from space_robot_control.rotations import from_rpy
 from space_robot_description.kernel.jit import bound
 from space_robot_description.load import load_robot

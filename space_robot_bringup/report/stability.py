@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from space_robot_bringup.report.chart import plain
 from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.reproduce.stability import StabilityMap
-from space_robot_control.mfac.stability import stability_map
+from space_robot_control.laws.mfac.stability import stability_map
 
 HELD, DELAYED = "#cfe3f1", "#7fb2d6"
 MARKERS = "osD^v*"

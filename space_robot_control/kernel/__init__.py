@@ -1,1 +1,1 @@
-"""The numbers of the adaptive law in plain scalar code: compiled where numba is, the same Python where it is not."""
+"""Numbers that several laws share, in plain scalar code: compiled where numba is, the same Python where it is not."""

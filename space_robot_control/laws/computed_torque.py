@@ -5,10 +5,10 @@ from __future__ import annotations
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.laws.base import Blocks, Law
-from space_robot_control.laws.dynamics import NominalModel
-from space_robot_control.laws.per_dof import Axes, Joints, PerDof
-from space_robot_control.laws.stability import stability_margin
-from space_robot_control.laws.tracking import error_blocks, tracking_errors
+from space_robot_control.nominal_model import NominalModel
+from space_robot_control.per_dof import Axes, Joints, PerDof
+from space_robot_control.sampled_stability import stability_margin
+from space_robot_control.tracking_errors import error_blocks, tracking_errors
 from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpecError

@@ -20,12 +20,12 @@ from space_robot_msgs_py.errors import SpecError
 GROUP = "space_robot.laws"
 PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
-    "adaptive": "space_robot_control.laws.adaptive:Adaptive",
+    "adaptive": "space_robot_control.laws.adaptive.law:Adaptive",
     "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
-    "mfac": "space_robot_control.laws.mfac:ModelFree",
-    "none": "space_robot_control.laws.hold:ZeroCommand",
-    "ntsmc": "space_robot_control.laws.ntsmc:Ntsmc",
-    "ntsmc_euler": "space_robot_control.laws.ntsmc_euler:NtsmcEuler",
+    "mfac": "space_robot_control.laws.mfac.law:ModelFree",
+    "none": "space_robot_control.laws.zero_command:ZeroCommand",
+    "ntsmc": "space_robot_control.laws.ntsmc.quaternion_law:Ntsmc",
+    "ntsmc_euler": "space_robot_control.laws.ntsmc.euler_law:NtsmcEuler",
     "pd": "space_robot_control.laws.pd:ProportionalDerivative",
 }
 

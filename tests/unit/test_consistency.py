@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.laws.consistency import is_consistent, natural_step, project, pseudo_inertias
+from space_robot_control.laws.adaptive.consistency import is_consistent, natural_step, project, pseudo_inertias
 from space_robot_description import inertia
 from space_robot_description.inertia import inertial_parameters
 from space_robot_description.load import load_robot

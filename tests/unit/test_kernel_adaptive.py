@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 
 from space_robot_bringup import compiling
-from space_robot_control.euler import difference, euler_acceleration, euler_state
-from space_robot_control.kernel.answer import answer
-from space_robot_control.kernel.consistency import judge
-from space_robot_control.kernel.desk import Held
-from space_robot_control.kernel.least_squares import spread
-from space_robot_control.kernel.regressor import slotine_li
-from space_robot_control.kernel.tree import places, tree_of
-from space_robot_control.laws.adaptive import Adaptive
+from space_robot_control.laws.adaptive.cycle import Cycle
+from space_robot_control.laws.adaptive.euler_coordinates import difference, euler_acceleration, euler_state
+from space_robot_control.laws.adaptive.kernel.consistency import judge
+from space_robot_control.laws.adaptive.kernel.control import answer
+from space_robot_control.laws.adaptive.kernel.least_squares import spread
+from space_robot_control.laws.adaptive.kernel.regressor import slotine_li
+from space_robot_control.laws.adaptive.kernel.tree import places, tree_of
+from space_robot_control.laws.adaptive.kernel.workspace import Held
+from space_robot_control.laws.adaptive.law import Adaptive
+from space_robot_control.laws.adaptive.regressor import Regressor
 from space_robot_control.laws.computed_torque import ComputedTorque
-from space_robot_control.laws.cycle import Cycle
-from space_robot_control.laws.regressor import Regressor
 from space_robot_control.rotations import from_rpy, rotate, rotate_inverse
 from space_robot_description.kernel import jit
 from space_robot_description.load import load_robot
@@ -234,7 +234,8 @@ from space_robot_control.laws import make_law
 from space_robot_description.load import load_robot
 
 make_law("computed_torque", load_robot("mini"), 0.25)
-print(*sorted({"space_robot_control.kernel.answer", "space_robot_control.kernel.sliding"} & set(sys.modules)))
+laws = "space_robot_control.laws"
+print(*sorted({f"{laws}.adaptive.kernel.control", f"{laws}.ntsmc.kernel.sliding"} & set(sys.modules)))
 """
 
 

@@ -11,12 +11,12 @@ import pytest
 from space_robot_bringup import closed_loop
 from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import experiment_from
-from space_robot_control.euler import euler_state
 from space_robot_control.laws import make_law
-from space_robot_control.laws.dynamics import NominalModel
-from space_robot_control.laws.regressor import Regressor
-from space_robot_control.laws.stability import stable_lambda
+from space_robot_control.laws.adaptive.euler_coordinates import euler_state
+from space_robot_control.laws.adaptive.regressor import Regressor
+from space_robot_control.nominal_model import NominalModel
 from space_robot_control.rotations import from_rpy
+from space_robot_control.sampled_stability import stable_lambda
 from space_robot_description.inertia import inertial_parameters
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.errors import ControlError, SpecError

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from space_robot_control.laws.dynamics import NominalModel
+from space_robot_control.nominal_model import NominalModel
 from space_robot_msgs_py.errors import ControlError, SpecError
 from tests.robots import random_inertia, random_model, random_state, robot_of
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_control.laws.limits import CommandLimits
+from space_robot_control.command_limits import CommandLimits
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.interfaces import Vector
 from tests.robots import arm_model, robot_of

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from space_robot_control.channels import Channels
 from space_robot_control.laws import make_law
-from space_robot_control.laws.channels import Channels
-from space_robot_control.laws.dynamics import NominalModel
-from space_robot_control.laws.mfac import ModelFree
-from space_robot_control.laws.sensing import FilterSpec, Sensing
-from space_robot_control.laws.tracking import tracking_errors
+from space_robot_control.laws.mfac.law import ModelFree
+from space_robot_control.nominal_model import NominalModel
 from space_robot_control.references import make_reference
 from space_robot_control.rotations import from_rpy
+from space_robot_control.sensing import FilterSpec, Sensing
+from space_robot_control.tracking_errors import tracking_errors
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import NonFiniteError, SpecError

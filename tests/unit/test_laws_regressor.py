@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from space_robot_control.euler import euler_state
-from space_robot_control.laws.dynamics import NominalModel
-from space_robot_control.laws.regressor import Regressor
+from space_robot_control.laws.adaptive.euler_coordinates import euler_state
+from space_robot_control.laws.adaptive.regressor import Regressor
+from space_robot_control.nominal_model import NominalModel
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, Vector

@@ -12,7 +12,7 @@ from space_robot_bringup import closed_loop
 from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.metrics import deviations
-from space_robot_control.laws.adaptive import Adaptive
+from space_robot_control.laws.adaptive.law import Adaptive
 from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Command, ControlOutput, Reference, RobotState, Tick, Vector

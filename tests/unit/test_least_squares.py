@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.laws.least_squares import RecursiveLeastSquares
+from space_robot_control.laws.adaptive.least_squares import RecursiveLeastSquares
 from space_robot_msgs_py.errors import ControlError
 
 SIZE, ROWS, PERIODS = 30, 7, 40

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.mfac.controller import IncrementalController, Weights, weights_of
-from space_robot_control.mfac.estimator import PseudoGradient
-from space_robot_control.mfac.initial import ResponseFit
-from space_robot_control.mfac.measurement import GatedFilter
+from space_robot_control.gated_filter import GatedFilter
+from space_robot_control.laws.mfac.incremental_controller import IncrementalController, Weights, weights_of
+from space_robot_control.laws.mfac.initial_value import ResponseFit
+from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 

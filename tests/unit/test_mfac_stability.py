@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.mfac.controller import IncrementalController, weights_of
-from space_robot_control.mfac.estimator import PseudoGradient
-from space_robot_control.mfac.stability import spectral_radius, stability_map
+from space_robot_control.laws.mfac.incremental_controller import IncrementalController, weights_of
+from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
+from space_robot_control.laws.mfac.stability import spectral_radius, stability_map
 
 
 def peaks(ratio: float, rho: float, delay: int, lead: float | None, periods: int) -> tuple[float, float]:

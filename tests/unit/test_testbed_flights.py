@@ -11,9 +11,9 @@ import pytest
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.metrics import RunMetrics, measure
-from space_robot_control.mfac.controller import IncrementalController, weights_of
-from space_robot_control.mfac.estimator import PseudoGradient
-from space_robot_control.mfac.measurement import GatedFilter
+from space_robot_control.gated_filter import GatedFilter
+from space_robot_control.laws.mfac.incremental_controller import IncrementalController, weights_of
+from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
 from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.interfaces import Command, RobotState, Telemetry, Tick
 

@@ -1,0 +1,100 @@
+"""Which degrees of freedom a law that knows no model pushes, and how they answer: outputs, inputs, limits, response."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from space_robot_control.nominal_model import NominalModel
+from space_robot_control.tracking_errors import TrackingErrors
+from space_robot_description.report import torque_capacity
+from space_robot_description.robot import Robot
+from space_robot_description.validation import nearest
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import RobotState, Vector
+
+BASE = ("x", "y", "z", "roll", "pitch", "yaw")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ChannelErrors:
+    """What the channels show at one stamp, desired minus actual.
+
+    Attributes:
+        error: (m,) position R^T (p_d - p) [m], attitude 2 epsilon of the error quaternion [rad], joints [rad or m].
+        rate: (m,) error of the velocity [m/s, rad/s].
+        asked: (m,) desired velocity, in the actual body frame [m/s, rad/s].
+    """
+
+    error: Vector
+    rate: Vector
+    asked: Vector
+
+
+class Channels:
+    """m degrees of freedom by name, one input and one output each: x, y, z, roll, pitch, yaw, and joints.
+
+    Args:
+        robot: the NOMINAL robot.
+        outputs: names in any order; empty: all that the robot can push and that are not held.
+        held: joints that are taken as rigid, by name: a grasp, a locked joint.
+
+    Raises:
+        SpecError: a name the robot does not have or cannot push, twice, or held and controlled at once.
+    """
+
+    def __init__(self, robot: Robot, outputs: Sequence[str] = (), held: Sequence[str] = ()) -> None:
+        names, floating = [*BASE, *robot.joint_names], robot.base_mode == "free_floating"
+        pushed = names[3:] if floating else names
+        for key, given, accepted in (("held", held, robot.joint_names), ("outputs", outputs, pushed)):
+            for name in given:
+                if name not in accepted:
+                    hint = nearest(name, accepted) or ", ".join(accepted)
+                    raise SpecError("cannot be used", key=f"controller.gains.{key}", value=name, accepted=hint)
+        if len(set(outputs) | set(held)) != len(outputs) + len(held):
+            raise SpecError("a name twice", key="controller.gains.outputs, held", value=[*outputs, *held])
+        self.names = tuple(outputs) or tuple(name for name in pushed if name not in held)
+        self.index = np.array([names.index(name) for name in self.names])
+        self._free = np.array([i for i, name in enumerate(names) if name not in held])
+        self._robot = robot
+
+    @property
+    def size(self) -> int:
+        """M."""
+        return len(self.names)
+
+    def limits(self) -> Vector:
+        """(m,) largest force, torque or effort of each input [N, N m]."""
+        force = self._robot.actuators.base_force
+        every = [force.limit if force else np.zeros(3), torque_capacity(self._robot)[0], self._robot.effort_limit]
+        out: Vector = np.concatenate(every)[self.index]
+        return out
+
+    def errors(self, state: RobotState, errors: TrackingErrors) -> ChannelErrors:
+        """Return the outputs of a state from its tracking errors."""
+        configuration = np.array(errors.configuration)
+        configuration[3:6] = 2.0 * errors.quaternion[:3]
+        asked = errors.velocity + state.v
+        return ChannelErrors(configuration[self.index], errors.velocity[self.index], asked[self.index])
+
+    def response(self, model: NominalModel, q: Vector) -> Vector:
+        """Return the (m, m) accelerations of the outputs per unit of input at rest, B [1/kg, 1/(kg m2)].
+
+        Held joints do not move, all others that no input pushes move freely: a free-floating base, for one.
+
+        Args:
+            model: the nominal model.
+            q: (7+n,) configuration [m, -, rad].
+        """
+        inverse = np.linalg.inv(model.mass_matrix(q)[np.ix_(self._free, self._free)])
+        chosen = np.searchsorted(self._free, self.index)
+        out: Vector = inverse[np.ix_(chosen, chosen)]
+        return out
+
+    def spread(self, inputs: Vector) -> Vector:
+        """Return the (6+n,) generalised force of (m,) inputs."""
+        u = np.zeros(6 + self._robot.n)
+        u[self.index] = inputs
+        return u

@@ -1,0 +1,80 @@
+"""Inertial parameters of bodies that can exist: check, projection, and steps that cannot leave them.
+
+A body is physically consistent exactly if its pseudo-inertia P, a symmetric 4 x 4 matrix linear in its ten parameters,
+is positive definite (Wensing, Kim, Slotine, IEEE RA-L 3(1), 2018).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from space_robot_control.laws.adaptive.kernel.consistency import judge
+from space_robot_description.inertia import pseudo_inertia
+from space_robot_msgs_py.interfaces import Vector
+
+PER_BODY = 10
+SMALLEST = 1e-9  # eigenvalue of a projected pseudo-inertia, relative to its trace
+LONGEST = 1.0  # exponent of one natural step: more is a jump the period is too long for
+
+_TO_PSEUDO = np.array([pseudo_inertia(unit).ravel() for unit in np.eye(PER_BODY)]).T
+_FROM_PSEUDO = np.linalg.pinv(_TO_PSEUDO)
+
+
+def pseudo_inertias(parameters: Vector) -> Vector:
+    """Return (B, 4, 4) pseudo-inertias of (10 B,) parameters."""
+    out: Vector = (parameters.reshape(-1, PER_BODY) @ _TO_PSEUDO.T).reshape(-1, 4, 4)
+    return out
+
+
+def is_consistent(parameters: Vector) -> bool:
+    """True if every body with these (10 B,) parameters can exist."""
+    _, _, possible = judge(parameters)
+    return possible
+
+
+def project(parameters: Vector) -> Vector:
+    """Return the nearest consistent parameters (10 B,), in the Frobenius norm of the pseudo-inertias.
+
+    Bodies that can exist keep their bits.
+    """
+    if is_consistent(parameters):
+        return parameters
+    pseudo = pseudo_inertias(parameters)
+    values, vectors = np.linalg.eigh(pseudo)
+    floor = SMALLEST * np.maximum(np.abs(values).sum(axis=1, keepdims=True), SMALLEST)
+    kept = np.maximum(values, floor)
+    nearest = _parameters(np.einsum("bij,bj,bkj->bik", vectors, kept, vectors))
+    out = np.where(values[:, :1] >= floor, parameters.reshape(-1, PER_BODY), nearest)
+    return out.ravel()
+
+
+def natural_step(parameters: Vector, gradient: Vector, gain: float) -> Vector:
+    """Return parameters (10 B,) after one step along the natural gradient of the log-det divergence.
+
+    P' = gain P L P with tr(L dP) = gradient . dpi, integrated exactly for a gradient that stays:
+    P <- R exp(gain R^T L R) R^T with P = R R^T. A consistent estimate stays consistent whatever the gradient; the
+    exponent of one step is limited to 1.
+
+    Args:
+        parameters: (10 B,) consistent.
+        gradient: (10 B,) direction of descent, e.g. Y^T sigma.
+        gain: step length.
+
+    Raises:
+        numpy.linalg.LinAlgError: the parameters are not consistent.
+
+    Reference: Lee, Kwon, Park, "A natural adaptive control law for robot manipulators", IROS 2018, (17).
+    """
+    root = np.linalg.cholesky(pseudo_inertias(parameters))
+    dual = (gradient.reshape(-1, PER_BODY) @ _FROM_PSEUDO).reshape(-1, 4, 4)
+    exponent = gain * (root.transpose(0, 2, 1) @ dual @ root)
+    values, vectors = np.linalg.eigh(exponent)
+    turned = root @ vectors
+    grown = np.exp(np.clip(values, -LONGEST, LONGEST))
+    return _parameters(np.einsum("bij,bj,bkj->bik", turned, grown, turned)).ravel()
+
+
+def _parameters(pseudo: Vector) -> Vector:
+    """(B, 10) of symmetric (B, 4, 4)."""
+    out: Vector = pseudo.reshape(-1, 16) @ _FROM_PSEUDO.T
+    return out

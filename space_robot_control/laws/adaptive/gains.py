@@ -1,0 +1,98 @@
+"""The numbers of the adaptive law, typed and with units."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import ConfigDict, Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
+
+from space_robot_control.per_dof import Axes, Joints, PerDof
+from space_robot_description.fields import DYNAMIC
+from space_robot_description.spec import Strict
+
+
+class Lambda(PerDof):
+    """Lambda of (32); one number stands for all."""
+
+    translation: Axes = Field(default=1.0, description="base translation, free-flying robots")
+    rotation: Axes = Field(default=1.0, description="base rotation: one number, or of yaw, pitch, roll")
+    joints: Joints = Field(default=1.0, description="one number, a list, or a mapping by joint name")
+
+
+class Reset(Strict):
+    """When the covariance starts anew: the only way this RLS forgets."""
+
+    threshold: PositiveFloat = Field(
+        default=25.0, description="improbable from here on: squared innovation over its variance, mean of the rows [-]"
+    )
+    samples: PositiveInt = Field(default=2, description="improbable innovations in a row that reset [-]")
+
+
+class Rls(Strict):
+    """Recursive least squares, (39)-(41)."""
+
+    torque_noise: PositiveFloat = Field(
+        default=1e-3, description="standard deviation of a torque row: noise, and what differencing rates misses [N m]"
+    )
+    force_noise: PositiveFloat = Field(default=1e-3, description="the same of a force row, free-flying robots [N]")
+    prior_spread: PositiveFloat = Field(default=0.3, description="standard deviation of a parameter over its value [-]")
+    prior_floor: PositiveFloat = Field(default=1e-3, description="added, for parameters near 0 [kg, kg m, kg m2]")
+    translation: Literal["model", "accelerometer", "velocity"] = Field(
+        default="model",
+        description="acceleration of a free-floating base: from the estimate's zero-force rows, the accelerometer, or "
+        "differenced velocities (a free-flying base: always these)",
+    )
+    reset: Reset | None = Field(default_factory=Reset, description="null: never")
+
+
+class Tracking(Strict):
+    """The update by Lyapunov's method, (44), and its share in ``composite``."""
+
+    gain: NonNegativeFloat = Field(
+        default=1000.0, description="gamma: Gamma = gamma diag((|pi| + floor)^2), in composite gamma times covariance"
+    )
+    floor: PositiveFloat = Field(default=1e-3, description="for parameters near 0 [kg, kg m, kg m2]")
+
+
+class AdaptiveGains(Strict):
+    """Gains of the adaptive law."""
+
+    model_config = ConfigDict(validate_by_name=False, validate_by_alias=True)
+
+    update: Literal["none", "rls", "lyapunov", "composite"] = Field(
+        default="rls", description="how the inertial parameters are corrected"
+    )
+    lambda_: Lambda = Field(
+        default_factory=Lambda,
+        alias="lambda",
+        description="weight Lambda [1/s, velocity: s]",
+        json_schema_extra=DYNAMIC,
+    )
+    lambda_on: Literal["position", "velocity"] = Field(
+        default="position", description="sigma = e' + Lambda e as printed in (33), or sigma = Lambda e' + e"
+    )
+    kappa: PositiveFloat = Field(
+        default=1.0,
+        description="K_D = kappa M(pi_0, Theta_0) [1/s, lambda_on velocity: 1/s2]",
+        json_schema_extra=DYNAMIC,
+    )
+    lead: bool = Field(default=False, description="reference and state half a period ahead, against the hold's delay")
+    gyroscopic: bool = Field(
+        default=True, description="command and learn with the torque that turning the wheels' momentum takes"
+    )
+    rls: Rls = Field(default_factory=Rls, description="of update rls and composite")
+    tracking: Tracking = Field(default_factory=Tracking, description="of update lyapunov and composite")
+    consistency: Literal["none", "project", "natural"] = Field(
+        default="none",
+        description="bodies that can exist: not enforced, the nearest ones after each update, or steps of update "
+        "lyapunov along the natural gradient",
+    )
+    pitch_limit_deg: float = Field(default=80.0, gt=0.0, lt=90.0, description="Euler angles are refused beyond [deg]")
+
+    @model_validator(mode="after")
+    def _proven(self) -> Self:
+        if self.lambda_on == "velocity" and self.update in ("lyapunov", "composite"):
+            raise ValueError(f"update {self.update} needs lambda_on: position; its proof is for sigma = e' + Lambda e")
+        if self.consistency == "natural" and self.update != "lyapunov":
+            raise ValueError("consistency natural is for update lyapunov")
+        return self

@@ -1,0 +1,1 @@
+"""The numbers of the adaptive law in plain scalar code."""

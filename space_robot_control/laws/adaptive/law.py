@@ -1,0 +1,178 @@
+"""Adaptive control by linear separation of the inertial parameters, after Liu, Teng, Jin (2023)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import cos, degrees, radians
+from pathlib import Path
+
+import numpy as np
+
+from space_robot_control.laws.adaptive.cycle import Cycle
+from space_robot_control.laws.adaptive.euler_coordinates import PITCH, euler_state
+from space_robot_control.laws.adaptive.gains import AdaptiveGains
+from space_robot_control.laws.adaptive.kernel import control as answer
+from space_robot_control.laws.adaptive.kernel.workspace import Held
+from space_robot_control.laws.adaptive.parameter_update import ParameterUpdate
+from space_robot_control.laws.adaptive.regressor import Regressor
+from space_robot_control.laws.adaptive.review import AdaptiveReview
+from space_robot_control.laws.adaptive.wheels import WheelMomentum
+from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_description.kernel.cache import cached
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.errors import ControlError
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
+
+
+class Adaptive(Law):
+    """u = Y(Theta, Theta', Theta_r', Theta_r'') pi_hat + K_D sigma, with pi_hat corrected in flight.
+
+    In Euler coordinates Theta, desired minus actual e = Theta_d - Theta:
+
+        Theta_r' = Theta_d' + Lambda e,   Theta_r'' = Theta_d'' + Lambda e',   sigma = e' + Lambda e      (32), (33)
+
+    With exact parameters and a short period e' = -Lambda e + sigma and M sigma' + C sigma + K_D sigma = 0. The other
+    reading, ``lambda_on: velocity``, is Theta_r' = Theta_d', Theta_r'' = Theta_d'', sigma = Lambda e' + e: a PD law
+    whose damping Lambda weighs, and the one under which the paper's Fig. 10 appears.
+
+    Free-floating robots: the three rows of zero force give the translation, p_r'' = -(Y_p pi_hat) / m_hat, and the
+    velocity error it entails, sigma_p = -(M_pr sigma) / m_hat; no accelerometer and no algebraic loop is needed.
+    Free-flying robots: translation is controlled like the rest.
+
+    Updates (``update``): ``none``; ``rls`` (39)-(41); ``lyapunov`` pi_hat' = Gamma Y^T [sigma_p, sigma] (44);
+    ``composite``: RLS and (44) with Gamma = gamma G, G the covariance.
+
+    Telemetry: euler_error (3: roll, pitch, yaw) [rad], joint_error (n) [rad], position_error (3, inertial; free-flying)
+    [m], sliding_variable (m: translation if free-flying, roll, pitch, yaw, joints) [m/s, rad/s], lyapunov_function
+    (sigma^T M_hat sigma / 2 + e^T Lambda K_D e) [J], parameters (10 (1+n)), consistent (1: every body can exist), and
+    with RLS innovation (m) [N, N m], surprise (innovation over its variance) [-], covariance_trace, resets, learned
+    (0: the base saturated and the period taught nothing).
+
+    Deviations from the paper: the base translation is not eliminated from the parametrisation (the virtual manipulator
+    of sec. 2 makes the dynamics nonlinear in pi) but from the command; both Y of (38) and (44) are Slotine-Li's with
+    four arguments; K_D = kappa M(pi_0, Theta_0) is the full matrix, M reduced by the free translation; (40) is weighted
+    by the torque noise, in square-root form and with a reset; (44) has the term of translation; ``lead`` and
+    ``consistency`` are ours. docs/papers/liu2023.md lists the errata.
+
+    Args:
+        robot: the NOMINAL robot.
+        control_period: [s].
+        gains: see ``AdaptiveGains``.
+
+    Raises:
+        SpecError: the gains do not fit the robot.
+
+    Reference: Liu, Teng, Jin, Aerospace 10, 679, 2023; Slotine and Li, IJRR 6(3), 1987.
+    """
+
+    class Gains(AdaptiveGains, Law.Gains):
+        """Gains of the adaptive law."""
+
+    name = "adaptive"
+    gains: Gains
+
+    def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
+        super().__init__(robot, control_period, gains)
+        self.regressor = Regressor(robot)
+        self._cycle = Cycle(robot, self.gains, control_period)
+        self._first = self._cycle.rule.first
+        self._pitch_limit = radians(self.gains.pitch_limit_deg)
+        self.reset()
+
+    @classmethod
+    def must_compile(cls) -> bool:
+        """True before the first adaptive law on a machine."""
+        return not cached(Path(answer.__file__), answer.answer.__name__)
+
+    def reset(self) -> None:
+        """Forget the past: estimate, covariance and damping matrix are those of the start again."""
+        super().reset()
+        self._cycle.reset()
+        self._update = ParameterUpdate(self.robot, self.regressor.parameters, self._cycle, self.gains)
+        self._wheels = WheelMomentum(self.robot, known=self.gains.gyroscopic)
+        self._mass: Vector | None = None
+
+    def resume(self) -> None:
+        """Go on with what was learned of the robot; only the period before is forgotten."""
+        super().reset()
+        self._cycle.reset()
+        self._update.pause()
+
+    def health(self) -> Mapping[str, float]:
+        """Condition and trace of the RLS covariance, resets, and whether every body can exist."""
+        return self._update.health()
+
+    def retune(self, gains: Gains) -> None:
+        """Go on with another Lambda or kappa; K_D stays kappa times the matrix of the first state."""
+        weight = gains.lambda_.values(self.robot, "controller.gains.lambda")[self._first :]
+        self._cycle.rule.weight[:] = weight
+        if self._mass is not None:
+            self._cycle.rule.damping[:] = gains.kappa * self._mass
+
+    def review(self, path: Sequence[Reference]) -> Review:
+        """The sampled-data stability rule along the path, see ``stability.stable_lambda``."""
+        return AdaptiveReview(self.robot, self.regressor, self.gains, self.control_period).along(path)
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return u and the telemetry listed at the class.
+
+        Raises:
+            ControlError: the attitude is near the singularity of Euler angles, K_D is not positive definite, or the
+                estimate is lost.
+        """
+        x, dx = euler_state(state)
+        self._check_pitch(x)
+        self._update.observe(state, x, dx)
+        if self._mass is None:
+            self._mass = self._first_mass_matrix(x)
+            self._cycle.rule.damping[:] = self.gains.kappa * self._mass
+        omega = state.v[3:6]
+        u, value = self._cycle.answer(self._update.estimate, x, dx, omega, self._wheels.momentum, reference)
+        desk = self._cycle.desk
+        blocks = {**self._error_blocks(), "lyapunov_function": value, **self._update.blocks()}
+        self._update.track(desk.rows, desk.entailed)
+        self._start = x, dx, omega
+        return u, blocks
+
+    def hold(self, command: Command, *, own: bool) -> None:
+        """What acts from now on, for the update and for the wheels."""
+        wrench = np.array(command.wrench)
+        middle = self._wheels.hold(wrench[3:], self.control_period)
+        self._update.hold(Held(*self._start, middle, wrench))
+
+    def stand_by(self, command: Command) -> None:
+        """The wheels take up what others command, too."""
+        self._wheels.hold(np.array(command.wrench[3:]), self.control_period)
+
+    def _first_mass_matrix(self, x: Vector) -> Vector:
+        matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)
+        lowest = float(np.linalg.eigvalsh(matrix)[0])
+        if not lowest > 0.0:
+            raise ControlError(
+                "the mass matrix of the nominal model is not positive definite",
+                key="K_D",
+                value=lowest,
+                accepted="eigenvalues > 0: a prior nearer to a robot that can exist",
+            )
+        return matrix
+
+    def _check_pitch(self, x: Vector) -> None:
+        pitch = float(x[PITCH])
+        if abs(pitch) > self._pitch_limit:
+            limit = self.gains.pitch_limit_deg
+            raise ControlError(
+                "the base is near the singularity of Euler angles",
+                key="pitch",
+                value=f"{degrees(pitch):.6g} deg (cos {cos(pitch):.3g})",
+                accepted=f"-{limit:g} to {limit:g} deg; ntsmc and computed_torque have no such limit",
+            )
+
+    def _error_blocks(self) -> dict[str, Vector]:
+        desk, shown, turn = self._cycle.desk, self._cycle.shown, 3 - self._first
+        error = desk.error[shown]
+        blocks = {
+            "euler_error": error[turn : turn + 3],
+            "joint_error": error[turn + 3 :],
+            "sliding_variable": desk.sigma[shown],
+        }
+        return blocks if self._first else {"position_error": error[:3], **blocks}

@@ -1,0 +1,1 @@
+"""Model-free adaptive control of Song, Zheng, Guo, Yuan 2023."""

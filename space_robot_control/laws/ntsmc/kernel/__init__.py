@@ -1,0 +1,1 @@
+"""The numbers of the sliding mode laws in plain scalar code."""

@@ -1,0 +1,167 @@
+"""What the terminal sliding mode laws share: all but how they write the attitude of the base."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from space_robot_control.command_limits import CommandLimits
+from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.ntsmc.disturbance_observer import DisturbanceObserver
+from space_robot_control.laws.ntsmc.gains import SlidingGains
+from space_robot_control.laws.ntsmc.kernel import sliding
+from space_robot_control.laws.ntsmc.kernel.sliding import DELTA, LOOP_GAIN, XI, S
+from space_robot_control.laws.ntsmc.kernel.terminal import DESIRED, accelerate, stack
+from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode
+from space_robot_control.laws.ntsmc.sliding_review import review_loop_gain
+from space_robot_control.nominal_model import NominalModel
+from space_robot_control.rotations import cross
+from space_robot_control.tracking_errors import TrackingErrors, error_blocks, tracking_errors
+from space_robot_description.kernel.cache import cached
+from space_robot_description.kernel.jit import ready
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
+
+
+class TerminalSliding(Law):
+    """u = M0 (x''_d + a2 + a3 - d) + C0 by one pass of nominal inverse dynamics, (27), (28); see ``SlidingMode``.
+
+    Base translation in the inertial frame, joints as they are; subclasses write the rotation. With d = 0 (observer
+    off) and a command within the limits this is the paper's u_1 + u_2 + u_3.
+
+    Free-floating: no force acts on the base, so its translation has no sliding variable; it follows from the zero-force
+    rows of the nominal model. Every (m) below is then 3+n instead of 6+n: rotation and joints, and so is x'.
+
+    Telemetry: the errors every law shows, ``sliding_variable`` s (m), ``sliding_excess`` Delta s (m), ``xi`` (m),
+    ``adaptive_gain`` K_hat (m) [m/s2, rad/s2], ``eta_error`` [-], ``loop_gain`` (m) [-], ``command_unsaturated`` (6+n)
+    [N, N m], ``command_norm`` of it, ``command_saturated`` (1 where it was beyond the nominal actuators: what is sent
+    fits, so the plant's own flags stay 0), ``disturbance_estimate`` d (6+n) [m/s2, rad/s2].
+
+    Args:
+        robot: the NOMINAL robot.
+        control_period: T [s].
+        gains: Table I by default.
+    """
+
+    Gains = SlidingGains
+    gains: SlidingGains
+
+    def __init__(self, robot: Robot, control_period: float, gains: SlidingGains | None = None) -> None:
+        super().__init__(robot, control_period, gains)
+        self.model, self.limits = NominalModel(robot), CommandLimits(robot)
+        self.skip = 3 if robot.base_mode == "free_floating" else 0
+        self.sliding = self._sliding_mode(self.gains)
+        self.observer = DisturbanceObserver(self.gains.disturbance_observer, control_period, 6 + robot.n)
+        q, own, rows = Reference(0, np.zeros(7), np.zeros(6), np.zeros(6)).q, np.zeros(6), np.zeros((4, 3))
+        ready(stack, q, own, own, rows, rows)
+        ready(accelerate, q, own, own, rows, own, own)
+
+    @classmethod
+    def must_compile(cls) -> bool:
+        """True before the first terminal sliding mode law on a machine."""
+        return not cached(Path(sliding.__file__), sliding.slide.__name__)
+
+    def retune(self, gains: SlidingGains) -> None:
+        """Go on with other Gamma, K_1, K_2 or Phi and the K_hat that was adapted."""
+        mode = self._sliding_mode(gains)
+        mode.adopt(self.sliding.estimate)
+        self.sliding = mode
+
+    def _sliding_mode(self, gains: SlidingGains) -> SlidingMode:
+        gamma, k2 = (gain[self.skip :].tolist() for gain in (gains.gamma_of(self.robot), gains.k2_of(self.robot)))
+        return SlidingMode(gains, gamma, k2, range(3 - self.skip, 6 - self.skip), self.control_period)
+
+    @abstractmethod
+    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
+        """Return the base rotation as a representation of it sees it; may remember the branch it is on.
+
+        Returns:
+            (4, 3): error, actual minus desired; what the sliding variable takes for its rate; the derivative of the
+            error; and the desired acceleration of the representation.
+        """
+
+    @abstractmethod
+    def angular(self, state: RobotState, acceleration: Vector) -> Sequence[float] | Vector:
+        """Return the derivative (3,) of the body rates for an acceleration (3,) of the representation [rad/s2].
+
+        Args:
+            state: that ``rotation`` was last called with.
+            acceleration: of the representation.
+        """
+
+    def reset(self) -> None:
+        """Forget K_hat and the disturbance estimate."""
+        super().reset()
+        self.sliding.reset()
+        self.observer.reset()
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return u and the telemetry listed at the class."""
+        errors = tracking_errors(state, reference)
+        rotation = self.rotation(state, reference, errors)
+        speed = state.v[self.skip :]
+        speed_squared = float(speed @ speed)
+        e, rate, e_dot = self._stacked(state, rotation, errors)
+        terms = self.sliding.terms(e, rate, e_dot, speed_squared)
+        disturbance = self.observer.update(state.v)
+        wished = self._acceleration(state, rotation, errors.feedforward, terms) - disturbance
+        u, wished = self.model.actuated_inverse_dynamics(state.q, state.v, wished)
+        saturated = not self.limits.fits(u)
+        blocks = {
+            **error_blocks(errors),
+            "sliding_variable": terms[S],
+            "sliding_excess": terms[DELTA],
+            "xi": terms[XI],
+            "adaptive_gain": self.sliding.estimate,
+            "eta_error": float(state.q[3:7] @ reference.q[3:7]),
+            "loop_gain": terms[LOOP_GAIN],
+            "command_unsaturated": u,
+            "command_norm": float(u @ u) ** 0.5,
+            "command_saturated": float(saturated),
+            "disturbance_estimate": disturbance,
+        }
+        self.sliding.adapt(terms[XI], speed_squared, saturated=saturated)
+        # What a clipped command leads to is not known here; the estimate then waits.
+        self.observer.expect(None if saturated else wished)
+        return (self._fitted(state, u) if saturated else u), blocks
+
+    def hold(self, command: Command, *, own: bool) -> None:
+        """What another law has a part in leads to what is not known here; the disturbance estimate then waits."""
+        if not own:
+            self.observer.expect(None)
+
+    def review(self, path: Sequence[Reference]) -> Review:
+        """Judge the loop gain per DoF at the rates the start error will lead to, before flying."""
+        self.reset()
+        start, reference = path[0], path[1]
+        state = RobotState(reference.stamp, start.q, start.v, np.zeros(self.n), np.zeros(3))
+        errors = tracking_errors(state, reference)
+        e = self._stacked(state, self.rotation(state, reference, errors), errors)[0].tolist()
+        self.reset()
+        return review_loop_gain(self.sliding, e, self.robot.joint_names, self.control_period, self.gains.clamp)
+
+    def _stacked(self, state: RobotState, rotation: Vector, errors: TrackingErrors) -> Vector:
+        """e, e' and the derivative of e, (3, m): [translation in the inertial frame, rotation, joints]."""
+        out = np.empty((3, 6 + self.n - self.skip))
+        stack(state.q, errors.configuration, errors.velocity, rotation, out)
+        return out
+
+    def _acceleration(self, state: RobotState, rotation: Vector, feedforward: Vector, terms: Vector) -> Vector:
+        """The derivative of v that gives x''_d + a2 + a3; R^T (a_d + a) - w x v for the translation."""
+        out, turned = np.empty(6 + self.n), np.empty(3)
+        accelerate(state.q, feedforward, rotation[DESIRED], terms, turned, out)
+        out[3:6] = self.angular(state, turned)
+        return out
+
+    def _fitted(self, state: RobotState, u: Vector) -> Vector:
+        """The command within the nominal limits; C0 is the u of x'' = 0."""
+        if self.gains.saturation == "per_axis":
+            return self.limits.per_axis(u)
+        still, v = np.zeros(6 + self.n), state.v[:6].tolist()
+        still[:3] = cross(v[:3], v[3:])
+        still[3:6] = self.angular(state, np.zeros(3))
+        bias, _ = self.model.actuated_inverse_dynamics(state.q, state.v, still)
+        return self.limits.direction_preserving(u, bias)
