@@ -16,7 +16,7 @@ from space_robot_bringup.experiment import load_experiment, with_duration
 from space_robot_bringup.graph import LIGHT, make_graph, private_context, spin, spin_graph
 from space_robot_bringup.processes import fly_processes
 from space_robot_bringup.run import Hooks
-from space_robot_msgs_py.codecs import LOGGED, TickCodec
+from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import Topic, topics_of

@@ -10,13 +10,13 @@ from time import perf_counter
 
 import numpy as np
 
-from space_robot_msgs_py.codecs import LOGGED, TickCodec, TopicBytes, peek_stamp
-from space_robot_msgs_py.general import canonical_message
+from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec, TopicBytes, peek_stamp
+from space_robot_msgs_py.codec.generic import canonical_message
 from space_robot_msgs_py.interfaces import Command, ControlOutput, PlantSample, Reference, RobotState, Telemetry, Tick
 from space_robot_msgs_py.joiner import StampJoiner
-from space_robot_msgs_py.log_header import LogHeader
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.log.header import LogHeader
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink
 from space_robot_msgs_py.transforms import FrameTransforms
 
 JOINTS = 7

@@ -9,7 +9,7 @@ from time import perf_counter
 from space_robot_bringup import closed_loop
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment, with_duration
-from space_robot_msgs_py.log_writer import LogSink, MemorySink
+from space_robot_msgs_py.log.writer import LogSink, MemorySink
 
 CASES = ("liu2023/fig08", "point_to_point/panda_sat")
 PERIODS = 1500

@@ -132,7 +132,7 @@ def recover(
 ) -> None:
     """Make a clean, indexed bag of a cut or damaged one and say what was lost."""
     from space_robot_bringup.logs import show
-    from space_robot_msgs_py.log_recover import recover
+    from space_robot_msgs_py.log.recover import recover
 
     place = bag.resolve()
     done = recover(bag, directory or place.with_name(f"{place.stem}_recovered"))

@@ -26,7 +26,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
-from space_robot_msgs_py.log_header import LogHeader
+from space_robot_msgs_py.log.header import LogHeader
 from space_robot_sim.initial import InitialState
 
 # Everything whose version can change the bits of a run; the log carries it.

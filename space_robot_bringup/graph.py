@@ -23,7 +23,7 @@ from space_robot_bringup.start import ROLES
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_control.nodes.guidance import GuidanceNode
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_msgs_py.log_writer import LogWriter
+from space_robot_msgs_py.log.writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_sim.nodes.recorder import RecorderNode

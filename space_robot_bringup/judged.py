@@ -12,14 +12,14 @@ from space_robot_bringup.metrics import RunMetrics
 from space_robot_bringup.run import judge_ticks
 from space_robot_bringup.verdict import Check
 from space_robot_description.validation import parse_yaml_text
-from space_robot_msgs_py.codecs import TickCodec
+from space_robot_msgs_py.codec.codecs import TickCodec
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import NANOSECONDS, Tick
-from space_robot_msgs_py.log_arrays import LogArrays, Row, stack_ticks
-from space_robot_msgs_py.log_directory import METADATA_FILE
-from space_robot_msgs_py.log_header import LogHeader
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.arrays import LogArrays, Row, stack_ticks
+from space_robot_msgs_py.log.directory import METADATA_FILE
+from space_robot_msgs_py.log.header import LogHeader
+from space_robot_msgs_py.log.reader import LogReader
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 from space_robot_bringup import closed_loop
 from space_robot_bringup.compose import Composition
 from space_robot_bringup.run import Hooks
-from space_robot_msgs_py.log_writer import LogSink, MemorySink
+from space_robot_msgs_py.log.writer import LogSink, MemorySink
 
 
 def fly_in_memory(composition: Composition, hooks: Hooks | None = None) -> MemorySink:

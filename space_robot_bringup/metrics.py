@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Tick, Vector
-from space_robot_msgs_py.log_arrays import stack_telemetry
+from space_robot_msgs_py.log.arrays import stack_telemetry
 
 Matrix = npt.NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_msgs_py.log_arrays import LogArrays
+from space_robot_msgs_py.log.arrays import LogArrays
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -16,7 +16,7 @@ from space_robot_bringup.compose import Composition
 from space_robot_bringup.graph import reserved_domain
 from space_robot_bringup.start import ROLES
 from space_robot_bringup.stopping import REASONS
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 if TYPE_CHECKING:
     from space_robot_bringup.run import Hooks

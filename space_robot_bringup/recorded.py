@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 
 def with_recorded_log(reference: Mapping[str, Any], folder: Path) -> dict[str, Any]:

@@ -15,8 +15,8 @@ from space_robot_bringup.metrics import RunMetrics, measure
 from space_robot_bringup.verdict import Check, judge
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Tick
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink
 
 Mode = Literal["headless", "graph", "processes"]
 

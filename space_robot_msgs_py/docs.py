@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from space_robot_msgs_py.log_preamble import log_name
+from space_robot_msgs_py.log.preamble import log_name
 from space_robot_msgs_py.qos import qos_of
 from space_robot_msgs_py.topics import TABLE, Kind, Topic
 

@@ -9,13 +9,13 @@ from typing import Any, TypeVar
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 
+from space_robot_msgs_py.codec.generic import canonical_message
+from space_robot_msgs_py.codec.telemetry import TelemetryCodec
+from space_robot_msgs_py.codec.values import PartsCodec
 from space_robot_msgs_py.errors import LayoutError
-from space_robot_msgs_py.general import canonical_message
 from space_robot_msgs_py.interfaces import Telemetry
 from space_robot_msgs_py.qos import qos_of
-from space_robot_msgs_py.telemetry_codec import TelemetryCodec
 from space_robot_msgs_py.topics import Topic
-from space_robot_msgs_py.value_codecs import PartsCodec
 
 V = TypeVar("V")
 

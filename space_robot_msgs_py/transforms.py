@@ -7,14 +7,14 @@ from math import isfinite
 
 import numpy as np
 
-from space_robot_msgs_py.cdr import ENCAPSULATION, pack_stamp
+from space_robot_msgs_py.codec.cdr import ENCAPSULATION, pack_stamp
+from space_robot_msgs_py.codec.layout import Layout
+from space_robot_msgs_py.codec.message_layouts import INERTIAL, tf_message
+from space_robot_msgs_py.codec.values import StateCodec
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import RobotState, Vector
-from space_robot_msgs_py.layout import Layout
-from space_robot_msgs_py.message_layouts import INERTIAL, tf_message
 from space_robot_msgs_py.topics import TF, TF_STATIC
 from space_robot_msgs_py.urdf_frames import FrameJoint, product, read_frames, rotated
-from space_robot_msgs_py.value_codecs import StateCodec
 
 
 class FrameTransforms:

@@ -16,7 +16,7 @@ from space_robot_msgs_py.interfaces import (
     Telemetry,
     Tick,
 )
-from space_robot_msgs_py.log_header import LogHeader
+from space_robot_msgs_py.log.header import LogHeader
 
 PERIOD = 100_000_000
 NAMES = ("shoulder", "elbow", "wrist")

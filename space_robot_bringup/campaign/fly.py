@@ -16,7 +16,7 @@ from space_robot_bringup.memory_flight import fly_in_memory, write_bag
 from space_robot_bringup.run import judge_ticks
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Tick
-from space_robot_msgs_py.log_writer import MemorySink
+from space_robot_msgs_py.log.writer import MemorySink
 
 Keep = Literal["failed", "all", "none"]
 

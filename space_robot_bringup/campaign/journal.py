@@ -11,10 +11,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from space_robot_bringup.campaign.files import TEMPORARY, guarded, write_whole
 from space_robot_bringup.campaign.spec import Campaign
+from space_robot_bringup.campaign.storage import guarded
 from space_robot_bringup.experiment import dump_yaml
 from space_robot_description.validation import parse_yaml, validate
+from space_robot_msgs_py.atomic_file import TEMPORARY, write_atomically
 from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
 
 CAMPAIGN, ROWS, RUNS = "resolved.yaml", "rows.jsonl", "runs"
@@ -57,7 +58,7 @@ class Journal:
         with guarded(self.directory):
             place = bag_path(self.directory, row.index)
             for name, content in bag.items():
-                write_whole(place / name, content)
+                write_atomically(place / name, content)
             self._stream.write(json.dumps(asdict(row), allow_nan=False) + "\n")
             self._stream.flush()
             os.fsync(self._stream.fileno())
@@ -129,14 +130,14 @@ def open_journal(directory: Path, campaign: Campaign, versions: Mapping[str, str
         with guarded(directory):
             # First, so that a kill right here leaves a campaign that can be resumed.
             if not (directory / CAMPAIGN).exists():
-                write_whole(directory / CAMPAIGN, resolved)
+                write_atomically(directory / CAMPAIGN, resolved)
             stream = (directory / ROWS).open("a+", encoding="utf-8")
         with stream:
             rows = _read(stream, directory, versions)
             if any(index >= campaign.cases for index in rows):
                 raise SpecError("fewer than were flown", key="runs", value=campaign.runs, accepted="as many or more")
             with guarded(directory):
-                write_whole(directory / CAMPAIGN, resolved)
+                write_atomically(directory / CAMPAIGN, resolved)
                 if not stream.tell():
                     stream.write(json.dumps({"versions": dict(versions)}) + "\n")
                     stream.flush()

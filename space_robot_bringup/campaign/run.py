@@ -12,16 +12,17 @@ from typing import Any
 from space_robot_bringup.campaign import journal
 from space_robot_bringup.campaign.cases import Case, check_cases, make_case
 from space_robot_bringup.campaign.cluster import workers_at
-from space_robot_bringup.campaign.files import guarded, write_whole
 from space_robot_bringup.campaign.fleet import Lost, fly_cases
 from space_robot_bringup.campaign.fly import Flown, Keep, failure
 from space_robot_bringup.campaign.journal import Journal, Row
 from space_robot_bringup.campaign.spec import Campaign
+from space_robot_bringup.campaign.storage import guarded
 from space_robot_bringup.campaign.summary import Group, summarise, summary_names
 from space_robot_bringup.campaign.table import parquet
 from space_robot_bringup.compose import Composition, versions
 from space_robot_bringup.metrics import metric_names
 from space_robot_bringup.verdict import Check, check_bounds, check_expectations
+from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SilenceError
 
 TABLE, SUMMARY = "table.parquet", "summary.json"
@@ -149,8 +150,8 @@ def _conclude(campaign: Campaign, book: Journal, metrics: Sequence[str]) -> tupl
     metadata = {"campaign": journal.to_yaml(campaign), "versions": json.dumps(versions(), sort_keys=True)}
     summary = {"title": campaign.title, "runs": campaign.runs, "groups": [group.to_dict() for group in groups]}
     with guarded(book.directory):
-        write_whole(book.directory / TABLE, parquet(rows, metadata))
-        write_whole(book.directory / SUMMARY, (json.dumps(summary, indent=1, allow_nan=False) + "\n").encode())
+        write_atomically(book.directory / TABLE, parquet(rows, metadata))
+        write_atomically(book.directory / SUMMARY, (json.dumps(summary, indent=1, allow_nan=False) + "\n").encode())
     return groups
 
 

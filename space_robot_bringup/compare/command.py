@@ -13,15 +13,16 @@ from rich.console import Console
 
 from space_robot_bringup.campaign import command
 from space_robot_bringup.campaign.cases import check_cases
-from space_robot_bringup.campaign.files import guarded, write_whole
 from space_robot_bringup.campaign.journal import check_directory
 from space_robot_bringup.campaign.run import TABLE, CampaignResult
 from space_robot_bringup.campaign.spec import Campaign, campaign_path, load_campaign
+from space_robot_bringup.campaign.storage import guarded
 from space_robot_bringup.compare.comparison import METRICS, Comparison, compare, law_key
 from space_robot_bringup.compare.cost import costs_of
 from space_robot_bringup.compare.show import show
 from space_robot_bringup.compare.tables import markdown
 from space_robot_bringup.verdict import check_bounds
+from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import InputFileError, SpecError
 
 NUMBERS = "compare.json"
@@ -139,9 +140,9 @@ def _write(order: Order, comparisons: Sequence[Comparison], costs: dict[str, dic
     """Numbers, pictures where matplotlib is, and the tables where they were asked for."""
     with guarded(order.directory):
         content = json.dumps(_data(comparisons), indent=1, allow_nan=False) + "\n"
-        write_whole(order.directory / NUMBERS, content.encode())
+        write_atomically(order.directory / NUMBERS, content.encode())
         if order.markdown is not None:
-            write_whole(order.markdown, markdown(comparisons, costs).encode())
+            write_atomically(order.markdown, markdown(comparisons, costs).encode())
     try:
         from space_robot_bringup.report.compare_chart import draw_comparison
     except ImportError:

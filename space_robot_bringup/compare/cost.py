@@ -8,7 +8,7 @@ from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.compare.comparison import law_key
 from space_robot_bringup.compose import compose
 from space_robot_bringup.reproduce.timing import time_updates
-from space_robot_msgs_py.log_writer import MemorySink
+from space_robot_msgs_py.log.writer import MemorySink
 
 # Of the flight, and of the timed updates.
 STEPS, REPEATS = 100, 500

@@ -15,12 +15,12 @@ from space_robot_bringup.run import judge_ticks
 from space_robot_bringup.verdict import Check
 from space_robot_description.load import load_robot
 from space_robot_description.validation import parse_yaml_text
-from space_robot_msgs_py.bag import Bag
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
-from space_robot_msgs_py.log_directory import custom_data
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.mcap_salvage import Damage
+from space_robot_msgs_py.log.bag import Bag
+from space_robot_msgs_py.log.directory import custom_data
+from space_robot_msgs_py.log.mcap.salvage import Damage
+from space_robot_msgs_py.log.reader import LogReader
 
 # An interval that is so many times the median is a gap.
 GAP = 1.5

@@ -12,8 +12,8 @@ from rich.table import Table
 
 from space_robot_bringup.logs.info import BagInfo, TopicInfo
 from space_robot_msgs_py.interfaces import NANOSECONDS
-from space_robot_msgs_py.log_recover import Recovery
-from space_robot_msgs_py.mcap_salvage import Damage
+from space_robot_msgs_py.log.mcap.salvage import Damage
+from space_robot_msgs_py.log.recover import Recovery
 
 
 def print_info(console: Console, info: BagInfo) -> None:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from space_robot_msgs_py.codec.message_fields import MessageFields
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_msgs_py.message_fields import MessageFields
 from space_robot_msgs_py.topics import TABLE, Topic
 
 Value = float | str | None

@@ -9,7 +9,7 @@ from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.happening import happen
 from space_robot_bringup.replay.outcome import Outcome, absent_topics
 from space_robot_bringup.replay.recording import Recording
-from space_robot_msgs_py.codecs import TickCodec, decode_events
+from space_robot_msgs_py.codec.codecs import TickCodec, decode_events
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from space_robot_msgs_py.bag import Bag, intact
-from space_robot_msgs_py.codecs import LOGGED, TopicBytes
+from space_robot_msgs_py.codec.codecs import LOGGED, TopicBytes
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.log_arrays import Row
+from space_robot_msgs_py.log.arrays import Row
+from space_robot_msgs_py.log.bag import Bag, intact
 from space_robot_msgs_py.topics import BASE_ODOM, Topic
 
 # Beyond, a stamp is no time of a run but one since 1970; telemetry cannot hold it either.

@@ -9,10 +9,10 @@ from itertools import pairwise
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.outcome import Outcome, absent_topics
 from space_robot_bringup.replay.recording import Recording
-from space_robot_msgs_py.codecs import TickCodec
+from space_robot_msgs_py.codec.codecs import TickCodec
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import Command, PlantSample
-from space_robot_msgs_py.log_arrays import Row
+from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.topics import BASE_ODOM, PLANT_TELEMETRY, topics_of
 
 FAILED = "simulator: "

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.foreign import foreign_rows
-from space_robot_msgs_py.bag import Bag, intact
-from space_robot_msgs_py.codecs import LOGGED, CommandCodec, decode_string
+from space_robot_msgs_py.codec.codecs import LOGGED, CommandCodec, decode_string
+from space_robot_msgs_py.codec.generic import parse
 from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
-from space_robot_msgs_py.general import parse
 from space_robot_msgs_py.interfaces import Command
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.bag import Bag, intact
+from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, Topic
 
 SLOWEST, FASTEST = 1e-3, 1e4

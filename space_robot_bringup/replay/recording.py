@@ -13,11 +13,11 @@ from space_robot_bringup.experiment import experiment_from, experiment_path, loc
 from space_robot_bringup.replay.changes import changed
 from space_robot_bringup.replay.foreign import foreign_rows
 from space_robot_description.validation import parse_yaml, parse_yaml_text
-from space_robot_msgs_py.bag import Bag
 from space_robot_msgs_py.errors import LogError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
-from space_robot_msgs_py.log_arrays import Row
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.arrays import Row
+from space_robot_msgs_py.log.bag import Bag
+from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import BASE_ODOM
 
 

@@ -8,12 +8,12 @@ from pathlib import Path
 from space_robot_bringup import closed_loop
 from space_robot_bringup.replay.happening import Repeated
 from space_robot_bringup.replay.recording import Recording
-from space_robot_msgs_py.bag import Bag
-from space_robot_msgs_py.codecs import decode_events
+from space_robot_msgs_py.codec.codecs import decode_events
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.events import ControllerEvent
-from space_robot_msgs_py.log_directory import BAG_SUFFIX, METADATA_FILE
-from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.log.bag import Bag
+from space_robot_msgs_py.log.directory import BAG_SUFFIX, METADATA_FILE
+from space_robot_msgs_py.log.writer import LogSink
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS
 
 _HEADLESS = {"mode": "headless"}

@@ -14,8 +14,8 @@ from space_robot_bringup.campaign.summary import Group, summarise
 from space_robot_bringup.campaign.table import FIXED
 from space_robot_bringup.report.interactive import PlotBook, embedded, interactive_page
 from space_robot_bringup.report.spreads import spread_figures
-from space_robot_bringup.report.whole import write_whole
 from space_robot_bringup.verdict import PLANT_BOUNDS
+from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import LogError
 
 TEMPLATE = "campaign.html.j2"
@@ -43,7 +43,7 @@ def write_campaign_report(directory: Path, out: Path) -> int:
     rows = [found[index].columns for index in sorted(found)]
     if not rows:
         raise LogError("no case has finished yet", key=str(directory))
-    write_whole(out, campaign_page(campaign, rows, versions, directory))
+    write_atomically(out, campaign_page(campaign, rows, versions, directory))
     return len(rows)
 
 

@@ -14,7 +14,7 @@ from matplotlib import pyplot as plt
 from space_robot_control.rotations import to_rpy
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 AXES = ("roll", "pitch", "yaw")
 

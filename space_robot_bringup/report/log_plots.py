@@ -14,7 +14,7 @@ from space_robot_control.rotations import to_rpy
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_msgs_py.log_arrays import LogArrays
+from space_robot_msgs_py.log.arrays import LogArrays
 
 RPY, XYZ = ("roll", "pitch", "yaw"), ("x", "y", "z")
 # A legend of more lines than this hides the plot.

@@ -12,8 +12,8 @@ from space_robot_bringup.report.interactive import PlotBook, embedded, interacti
 from space_robot_bringup.report.log_plots import conservation_plots, effort_plots, motion_plots, telemetry_plots
 from space_robot_bringup.report.paper_part import paper_figures
 from space_robot_bringup.report.scene import scene
-from space_robot_bringup.report.whole import write_whole
 from space_robot_description.visual import look_of
+from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
@@ -35,7 +35,7 @@ def write_log_report(log: Path, out: Path) -> JudgedLog:
         LogError: no complete tick can be read, or the page cannot be written.
     """
     judged = read_judged(log)
-    write_whole(out, log_page(judged))
+    write_atomically(out, log_page(judged))
     return judged
 
 

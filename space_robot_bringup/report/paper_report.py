@@ -8,10 +8,10 @@ from pathlib import Path
 
 from space_robot_bringup.report.page import page
 from space_robot_bringup.report.paper_figure import draw_figure
-from space_robot_bringup.report.whole import write_whole
 from space_robot_bringup.reproduce.plan import Plan, picture_name
 from space_robot_bringup.reproduce.reproduction import CLAIMS, FlownFigure
 from space_robot_bringup.reproduce.summary import Data, summary
+from space_robot_msgs_py.atomic_file import write_atomically
 
 PAGE = "index.html"
 
@@ -36,6 +36,6 @@ def write_report(plan: Plan, flown: Sequence[FlownFigure], directory: Path) -> D
         if draw_figure(figure, directory / file):
             pictures[figure.name] = file
     data = summary(plan, flown, pictures)
-    write_whole(directory / PAGE, page(data, directory))
-    write_whole(directory / CLAIMS, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
+    write_atomically(directory / PAGE, page(data, directory))
+    write_atomically(directory / CLAIMS, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
     return data

@@ -12,7 +12,7 @@ from space_robot_bringup.report.plots import packed
 from space_robot_description.triangles import triangles_of
 from space_robot_description.visual import Look
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_msgs_py.log_arrays import LogArrays
+from space_robot_msgs_py.log.arrays import LogArrays
 
 # The page turns smoothly between these; more would not be seen.
 MOST_FRAMES = 900

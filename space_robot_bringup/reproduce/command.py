@@ -63,7 +63,7 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     try:
         from space_robot_bringup.report.paper_figure import check_colors
         from space_robot_bringup.report.paper_report import PAGE, write_report
-        from space_robot_bringup.report.whole import write_whole
+        from space_robot_msgs_py.atomic_file import write_atomically
     except ImportError as error:
         needs = f"reproduce needs matplotlib and jinja2 ({error})"
         raise SpecError(needs, accepted="install space-robot[viz]") from None
@@ -87,7 +87,7 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
             return False
         data = write_report(plan, flown, directory)
         if order.markdown is not None:
-            write_whole(order.markdown, markdown(data))
+            write_atomically(order.markdown, markdown(data))
     if order.as_json:
         print(json.dumps(data, allow_nan=False))
     else:

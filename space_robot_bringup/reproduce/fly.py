@@ -18,8 +18,8 @@ from space_robot_bringup.reproduce.workers import stop_reason
 from space_robot_bringup.run import Hooks, judge_ticks
 from space_robot_bringup.verdict import PLANT_BOUNDS
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
-from space_robot_msgs_py.log_arrays import arrays_of
-from space_robot_msgs_py.log_writer import MemorySink
+from space_robot_msgs_py.log.arrays import arrays_of
+from space_robot_msgs_py.log.writer import MemorySink
 
 # A picture is about this many dots wide; curves of longer runs are drawn by every k-th tick.
 DRAWN_TICKS = 2000

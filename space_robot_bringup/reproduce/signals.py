@@ -15,7 +15,7 @@ from space_robot_control.rotations import relative, rotate, to_rpy
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
 from space_robot_msgs_py.interfaces import PlantSample, Vector
-from space_robot_msgs_py.log_arrays import LogArrays
+from space_robot_msgs_py.log.arrays import LogArrays
 
 PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 AXIS_FIELDS = ("value", "reference", "error", "rate")

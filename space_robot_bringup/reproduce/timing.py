@@ -15,7 +15,7 @@ from space_robot_bringup.reproduce.measures import CYCLE_TIMES
 from space_robot_control.laws.base import Law
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Reference, RobotState
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 NANOSECONDS_PER_MICROSECOND = 1e3
 

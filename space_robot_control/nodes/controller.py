@@ -13,7 +13,7 @@ from space_robot_control.laws.base import Law
 from space_robot_control.laws.switching import ACTIVE, Switching
 from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
-from space_robot_msgs_py.codecs import (
+from space_robot_msgs_py.codec.codecs import (
     CommandCodec,
     ReferenceCodec,
     StateCodec,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from space_robot_msgs_py.codecs import ReferenceCodec, peek_stamp
+from space_robot_msgs_py.codec.codecs import ReferenceCodec, peek_stamp
 from space_robot_msgs_py.interfaces import ReferenceSource
 from space_robot_msgs_py.nodes.base import GraphNode, publish_all
 from space_robot_msgs_py.topics import BASE_ODOM

@@ -13,7 +13,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 
-from space_robot_msgs_py.codecs import decode_string, encode_string
+from space_robot_msgs_py.codec.codecs import decode_string, encode_string
 from space_robot_msgs_py.errors import LayoutError, SpecError
 from space_robot_msgs_py.nodes.parameters import NodeParameters
 from space_robot_msgs_py.parameters import ParameterRow

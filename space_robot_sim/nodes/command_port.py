@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
-from space_robot_msgs_py.codecs import CommandCodec, peek_stamp
+from space_robot_msgs_py.codec.codecs import CommandCodec, peek_stamp
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.joiner import StampJoiner

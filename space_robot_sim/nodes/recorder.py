@@ -10,7 +10,7 @@ from rclpy.clock_type import ClockType
 from rclpy.subscription import Subscription
 from rclpy.time import Time
 
-from space_robot_msgs_py.codecs import LOGGED, TopicBytes, decode_string, encode_clock
+from space_robot_msgs_py.codec.codecs import LOGGED, TopicBytes, decode_string, encode_clock
 from space_robot_msgs_py.errors import CommandError, SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import BASE_ODOM, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic

@@ -8,7 +8,7 @@ from typing import Any
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
-from space_robot_msgs_py.codecs import encode_clock, encode_string
+from space_robot_msgs_py.codec.codecs import encode_clock, encode_string
 from space_robot_msgs_py.errors import SilenceError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode

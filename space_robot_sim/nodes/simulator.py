@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from space_robot_msgs_py.codecs import StateCodec, TelemetryCodec, decode_clock, encode_clock, encode_string
+from space_robot_msgs_py.codec.codecs import StateCodec, TelemetryCodec, decode_clock, encode_clock, encode_string
 from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode

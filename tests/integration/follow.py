@@ -9,7 +9,7 @@ from pathlib import Path
 from time import monotonic
 
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 POLL_SECONDS = 0.2
 

@@ -11,7 +11,7 @@ from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
 from space_robot_description.inertia import inertial_parameters
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.harness import flight
 
 pytest.importorskip("rclpy")

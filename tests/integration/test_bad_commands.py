@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
-from space_robot_msgs_py.codecs import CommandCodec, encode_string
+from space_robot_msgs_py.codec.codecs import CommandCodec, encode_string
 from space_robot_msgs_py.interfaces import Command
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, JOINT_COMMAND, WRENCH_COMMAND
 from tests.integration.harness import Flight, flight
 

@@ -12,11 +12,11 @@ import pytest
 from space_robot_bringup.logs.info import bag_info
 from space_robot_bringup.logs.show import info_dict
 from space_robot_bringup.replay.show import as_dict
-from space_robot_msgs_py.codecs import LOGGED
+from space_robot_msgs_py.codec.codecs import LOGGED
 from space_robot_msgs_py.errors import SpaceRobotError
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_recover import recover
-from space_robot_msgs_py.log_writer import LogWriter
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.recover import recover
+from space_robot_msgs_py.log.writer import LogWriter
 from tests.integration.tool import Tool
 from tests.replays import fly, replayed
 

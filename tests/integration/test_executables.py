@@ -11,7 +11,7 @@ import pytest
 
 from space_robot_bringup.graph import reserved_domain
 from space_robot_description.validation import parse_yaml_text
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]

@@ -15,9 +15,9 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from space_robot_bringup.logs.info import bag_info
 from space_robot_bringup.replay.command import Replayed
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_recover import recover
-from space_robot_msgs_py.schemas import schema_text, typestore
+from space_robot_msgs_py.codec.schemas import schema_text, typestore
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.recover import recover
 from space_robot_msgs_py.topics import TABLE
 from tests.integration.tool import Tool, refused
 from tests.replays import fly, replayed

@@ -15,7 +15,7 @@ from space_robot_bringup.replay.comparison import Tolerance
 from space_robot_bringup.replay.recording import open_recording
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 FOLDER = Path(__file__).parents[1] / "data" / "golden"
 GOLDEN = sorted(path.name for path in FOLDER.iterdir() if path.is_dir())

@@ -13,7 +13,7 @@ from tests.integration.follow import ended
 
 pytest.importorskip("rclpy")
 from space_robot_bringup.graph import reserved_domain
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("colcon")]
 

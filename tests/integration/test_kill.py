@@ -16,7 +16,7 @@ import pytest
 
 from space_robot_bringup.experiment import load_experiment, with_duration
 from space_robot_bringup.run import Hooks, run_experiment
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]

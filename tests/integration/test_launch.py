@@ -18,7 +18,7 @@ pytest.importorskip("launch_ros")
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.graph import reserved_domain
 from space_robot_bringup.run import run_experiment
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.distribution import ROOT
 from tests.integration.follow import await_ticks
 

@@ -13,7 +13,7 @@ import pytest
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import Hooks, Mode, run_experiment
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 pytest.importorskip("rclpy")
 from space_robot_bringup.processes import fly_processes

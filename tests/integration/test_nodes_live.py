@@ -19,7 +19,7 @@ from space_robot_bringup.run import run_experiment
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Command, PlantSample, Tick
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.nodes.managed import bring_up
 from tests.integration.harness import Flight, flight
 from tests.replays import assert_equal, replayed

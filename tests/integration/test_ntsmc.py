@@ -14,7 +14,7 @@ from space_robot_bringup.run import run_experiment
 from space_robot_bringup.tool_error import tool_errors
 from space_robot_control.rotations import log, relative
 from space_robot_description.load import load_robot
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 DRAWS = np.random.default_rng(7).uniform(-144.0, 144.0, size=(4, 3)).tolist()
 

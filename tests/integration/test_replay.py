@@ -15,10 +15,10 @@ from space_robot_bringup.replay.comparison import Divergence, Tolerance
 from space_robot_bringup.replay.outcome import Outcome
 from space_robot_bringup.replay.references import refly
 from space_robot_control.laws.switching import Switching
-from space_robot_msgs_py.codecs import LOGGED, TickCodec
+from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.interfaces import Tick
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogSink, LogWriter
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink, LogWriter
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND
 from tests.integration.tool import Tool, refused
 from tests.replays import assert_equal, fly, replayed

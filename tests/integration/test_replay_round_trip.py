@@ -9,7 +9,7 @@ import pytest
 from space_robot_bringup.run import Mode
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_description.share import shipped
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from tests.replays import assert_equal, fly, replayed
 
 TASKS = {"mini": "compare/mini", "servicer": "compare/servicer"}

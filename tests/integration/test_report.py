@@ -22,8 +22,8 @@ from space_robot_bringup.report.log_report import write_log_report
 from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink
 from tests.integration.tool import Tool, refused
 
 MOST_BYTES = 10_000_000

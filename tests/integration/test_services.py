@@ -12,7 +12,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.harness import Flight, flight
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]

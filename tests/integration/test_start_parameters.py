@@ -18,7 +18,7 @@ pytest.importorskip("rclpy")
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.graph import MANAGED, reserved_domain
 from space_robot_bringup.run import run_experiment
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 

@@ -13,7 +13,7 @@ import pytest
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.graph import reserved_domain
 from space_robot_bringup.run import run_experiment
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.test_executables import ROOT, law_of
 
 pytest.importorskip("rclpy")

@@ -17,7 +17,7 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from space_robot_bringup.run import judge_log
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.harness import flight
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]

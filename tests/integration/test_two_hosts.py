@@ -18,7 +18,7 @@ import pytest
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.follow import await_ticks, ended, ticks_in
 
 pytest.importorskip("rclpy")

@@ -18,8 +18,8 @@ from space_robot_description.load import load_robot  # noqa: E402
 from space_robot_description.share import shipped  # noqa: E402
 from space_robot_description.visual import look_of  # noqa: E402
 from space_robot_msgs_py.errors import LogError  # noqa: E402
-from space_robot_msgs_py.log_header import LogHeader  # noqa: E402
-from space_robot_msgs_py.log_writer import LogSink  # noqa: E402
+from space_robot_msgs_py.log.header import LogHeader  # noqa: E402
+from space_robot_msgs_py.log.writer import LogSink  # noqa: E402
 from tests import values  # noqa: E402
 
 pytestmark = pytest.mark.xdist_group("browser")

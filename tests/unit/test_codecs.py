@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from space_robot_msgs_py.codecs import (
+from space_robot_msgs_py.codec.codecs import (
     LOGGED,
     CommandCodec,
     ReferenceCodec,
@@ -16,8 +16,8 @@ from space_robot_msgs_py.codecs import (
     encode_string,
     peek_stamp,
 )
+from space_robot_msgs_py.codec.generic import canonical_message, parse
 from space_robot_msgs_py.errors import CommandError, LayoutError, NonFiniteError
-from space_robot_msgs_py.general import canonical_message, parse
 from space_robot_msgs_py.interfaces import Command, Telemetry
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND
 from tests import values
@@ -121,7 +121,7 @@ def test_missing_efforts_are_refused():
     raw = CommandCodec(("a",)).encode(Command(0, np.zeros(6), np.zeros(1)))[1]
     message = parse(JOINT_COMMAND.type, raw)
     message.effort = np.zeros(0)
-    from space_robot_msgs_py.schemas import typestore
+    from space_robot_msgs_py.codec.schemas import typestore
 
     short = bytes(typestore().serialize_cdr(message, JOINT_COMMAND.type))
     with pytest.raises(CommandError, match=r"joint_command\.effort.*got 0.*accepted: 1"):

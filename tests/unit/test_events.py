@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from space_robot_msgs_py.codecs import TopicBytes, decode_events, encode_events, encode_string
+from space_robot_msgs_py.codec.codecs import TopicBytes, decode_events, encode_events, encode_string
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS

@@ -16,7 +16,7 @@ from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import blocks_equal
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 
 @pytest.mark.parametrize("name", shipped("experiments"))

@@ -21,7 +21,7 @@ from space_robot_description.inertia import inertial_parameters
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Tick, Vector
-from space_robot_msgs_py.log_writer import MemorySink
+from space_robot_msgs_py.log.writer import MemorySink
 from tests.values import bits
 
 WAVES = {

@@ -16,7 +16,7 @@ from space_robot_control.laws.adaptive.law import Adaptive
 from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Command, ControlOutput, Reference, RobotState, Tick, Vector
-from space_robot_msgs_py.log_writer import MemorySink
+from space_robot_msgs_py.log.writer import MemorySink
 
 SWITCHES = {100: ("adaptive", "ntsmc"), 200: ("ntsmc", "mfac"), 300: ("mfac", "adaptive")}
 SECOND = 4

@@ -3,11 +3,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from space_robot_msgs_py.codecs import LOGGED, CommandCodec, StateCodec, TelemetryCodec, TickCodec, TopicBytes
+from space_robot_msgs_py.codec.codecs import LOGGED, CommandCodec, StateCodec, TelemetryCodec, TickCodec, TopicBytes
+from space_robot_msgs_py.codec.generic import canonical_message, parse
+from space_robot_msgs_py.codec.layout import LayoutBuilder
+from space_robot_msgs_py.codec.schemas import typestore
 from space_robot_msgs_py.errors import CommandError, LayoutError
-from space_robot_msgs_py.general import canonical_message, parse
-from space_robot_msgs_py.layout import LayoutBuilder
-from space_robot_msgs_py.schemas import typestore
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_TELEMETRY, JOINT_STATES, WRENCH_COMMAND
 from tests import values
 

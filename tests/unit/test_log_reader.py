@@ -14,14 +14,14 @@ from ruamel.yaml import YAML
 from space_robot_bringup.compose import compose
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.memory_flight import fly_in_memory, write_bag
-from space_robot_msgs_py.codecs import LOGGED, TickCodec
+from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.errors import InputFileError, LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry
-from space_robot_msgs_py.log_arrays import LogArrays, arrays_of, stack_telemetry
-from space_robot_msgs_py.log_preamble import log_name
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogSink, LogWriter
-from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, scan
+from space_robot_msgs_py.log.arrays import LogArrays, arrays_of, stack_telemetry
+from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, scan
+from space_robot_msgs_py.log.preamble import log_name
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink, LogWriter
 from space_robot_msgs_py.topics import JOINT_COMMAND
 from tests import values
 

@@ -11,14 +11,14 @@ import pytest
 from mcap.opcode import Opcode
 from rosbags.highlevel import AnyReader
 
-from space_robot_msgs_py.bag import Bag
-from space_robot_msgs_py.codecs import LOGGED
+from space_robot_msgs_py.codec.codecs import LOGGED
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_recover import recover
-from space_robot_msgs_py.log_writer import LogSink
-from space_robot_msgs_py.mcap_records import MAGIC, PREFIX, scan
-from space_robot_msgs_py.mcap_salvage import Damage, salvage
+from space_robot_msgs_py.log.bag import Bag
+from space_robot_msgs_py.log.mcap.records import MAGIC, PREFIX, scan
+from space_robot_msgs_py.log.mcap.salvage import Damage, salvage
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.recover import recover
+from space_robot_msgs_py.log.writer import LogSink
 from tests import values
 
 COUNT = 150
@@ -211,7 +211,7 @@ def test_lengths_are_checked_before_memory_is_asked_for(logs: dict[str, bytes], 
 def test_no_cut_and_no_flipped_byte_makes_a_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Cut at 200 and damaged at 200 random places, a log is recovered to something readable or refused in one line."""
     # What takes nearly all the time, and depends on the damage only by its counts.
-    monkeypatch.setattr("space_robot_msgs_py.log_recover.write_metadata_yaml", _touch)
+    monkeypatch.setattr("space_robot_msgs_py.log.recover.write_metadata_yaml", _touch)
     logs, rng = forms(tmp_path / "run", 40), np.random.default_rng(6)
     recovered = 0
     for index in range(400):

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_msgs_py.codecs import LOGGED, TickCodec
+from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.errors import LogError
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogSink, LogWriter, MemorySink
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink, LogWriter, MemorySink
 from space_robot_msgs_py.topics import CLOCK, CONTROLLER_TELEMETRY
 from tests import values
 
@@ -105,7 +105,7 @@ def test_kill_between_end_and_index_leaves_the_plain_file(tmp_path, monkeypatch)
         target.write_bytes(b"half an index")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("space_robot_msgs_py.log_writer.write_indexed", die)
+    monkeypatch.setattr("space_robot_msgs_py.log.writer.write_indexed", die)
     with pytest.raises(KeyboardInterrupt):
         write(tmp_path / "run", values.run_ticks(3))
     monkeypatch.undo()

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from space_robot_bringup.replay.changes import changed, flat
 from space_robot_bringup.replay.comparison import EXACT, Comparison, Tolerance
-from space_robot_msgs_py.codecs import CommandCodec, TelemetryCodec
+from space_robot_msgs_py.codec.codecs import CommandCodec, TelemetryCodec
 from space_robot_msgs_py.interfaces import Command, Telemetry
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND, WRENCH_COMMAND
 from tests import values

@@ -15,7 +15,7 @@ from space_robot_bringup.reproduce.signals import PARAMETERS, Signals, signal_na
 from space_robot_bringup.run import run_experiment
 from space_robot_bringup.tool_error import tool_errors
 from space_robot_description.inertia import inertial_parameters
-from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log.reader import LogReader
 
 OVERRIDES = (
     "duration=5.0",

@@ -8,7 +8,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 
 from space_robot_msgs_py import ros
-from space_robot_msgs_py.codecs import LOGGED, CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec, TickCodec
+from space_robot_msgs_py.codec.codecs import LOGGED, CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec, TickCodec
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_TELEMETRY, JOINT_COMMAND, JOINT_STATES, TABLE
 from tests import values

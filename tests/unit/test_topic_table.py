@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from space_robot_msgs_py.codec.schemas import schema_text, type_hash, typestore
 from space_robot_msgs_py.docs import topics_markdown
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.qos import qos_of
-from space_robot_msgs_py.schemas import schema_text, type_hash, typestore
 from space_robot_msgs_py.topics import TABLE
 
 DOCS = Path(__file__).parents[2] / "docs" / "topics.md"

@@ -4,11 +4,11 @@ import pytest
 
 from space_robot_description.load import load_robot
 from space_robot_description.share import shipped
-from space_robot_msgs_py.codecs import StateCodec
-from space_robot_msgs_py.general import parse
+from space_robot_msgs_py.codec.codecs import StateCodec
+from space_robot_msgs_py.codec.generic import parse
 from space_robot_msgs_py.interfaces import RobotState
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink
 from space_robot_msgs_py.topics import TF, TF_STATIC
 from space_robot_msgs_py.transforms import FrameTransforms
 from tests import values

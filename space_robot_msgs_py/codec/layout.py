@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from space_robot_msgs_py.cdr import (
+from space_robot_msgs_py.codec.cdr import (
     ENCAPSULATION,
     MAX_TRAILING,
     TIME,

@@ -7,11 +7,11 @@ from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
 
-from space_robot_msgs_py import message_layouts as standard
-from space_robot_msgs_py.cdr import pack_stamp, unpack_stamp
+from space_robot_msgs_py.codec import message_layouts as standard
+from space_robot_msgs_py.codec.cdr import pack_stamp, unpack_stamp
+from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.errors import CommandError, LayoutError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState
-from space_robot_msgs_py.layout import Layout
 from space_robot_msgs_py.topics import (
     BASE_IMU,
     BASE_ODOM,

@@ -25,7 +25,7 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, flatten, parse, record_bytes, scan
+from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, flatten, parse, record_bytes, scan
 
 # One damaged byte costs a whole chunk; smaller ones compress worse (1 MiB saves 4 %).
 CHUNK_SIZE = 1 << 17

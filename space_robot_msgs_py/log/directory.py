@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_msgs_py.errors import LogError
-from space_robot_msgs_py.log_preamble import RECORDED, log_name, signature
+from space_robot_msgs_py.log.preamble import RECORDED, log_name, signature
 from space_robot_msgs_py.qos import qos_of, yaml_text
-from space_robot_msgs_py.schemas import type_hash
+from space_robot_msgs_py.codec.schemas import type_hash
 
 METADATA_FILE = "metadata.yaml"
 BAG_SUFFIX = "_0.mcap"

@@ -9,7 +9,7 @@ from pathlib import Path
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata
 
-from space_robot_msgs_py.codecs import TickCodec, decode_string
+from space_robot_msgs_py.codec.codecs import TickCodec, decode_string
 from space_robot_msgs_py.errors import (
     CommandError,
     InputFileError,
@@ -19,11 +19,11 @@ from space_robot_msgs_py.errors import (
     SpaceRobotError,
 )
 from space_robot_msgs_py.interfaces import Tick
-from space_robot_msgs_py.log_arrays import LogArrays, Row, stack_ticks
-from space_robot_msgs_py.log_directory import BAG_SUFFIX
-from space_robot_msgs_py.log_header import METADATA_NAME, LogHeader
-from space_robot_msgs_py.log_preamble import END_NAME, RECORDED, log_name
-from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, parse, parse_attachment, scan
+from space_robot_msgs_py.log.arrays import LogArrays, Row, stack_ticks
+from space_robot_msgs_py.log.directory import BAG_SUFFIX
+from space_robot_msgs_py.log.header import METADATA_NAME, LogHeader
+from space_robot_msgs_py.log.preamble import END_NAME, RECORDED, log_name
+from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, flatten, parse, parse_attachment, scan
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 
 _NAMES = {log_name(topic): topic.name for topic in RECORDED}

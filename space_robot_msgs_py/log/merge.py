@@ -12,13 +12,13 @@ from typing import Any
 from mcap.opcode import Opcode
 from mcap.records import Channel, Header, Metadata, Schema, Statistics
 
-from space_robot_msgs_py.bag import Bag, Channels
-from space_robot_msgs_py.log_directory import BagTopic
-from space_robot_msgs_py.log_header import METADATA_NAME
-from space_robot_msgs_py.log_preamble import LIBRARY
-from space_robot_msgs_py.mcap_index import IndexedWriter
-from space_robot_msgs_py.mcap_records import MESSAGE, PREFIX, parse, record_bytes
-from space_robot_msgs_py.mcap_salvage import Damage, Record, salvage
+from space_robot_msgs_py.log.bag import Bag, Channels
+from space_robot_msgs_py.log.directory import BagTopic
+from space_robot_msgs_py.log.header import METADATA_NAME
+from space_robot_msgs_py.log.preamble import LIBRARY
+from space_robot_msgs_py.log.mcap.index import IndexedWriter
+from space_robot_msgs_py.log.mcap.records import MESSAGE, PREFIX, parse, record_bytes
+from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
 
 # What rosbag2 keeps of its own metadata in a file speaks of the file as it was.
 STALE = "rosbag2"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from space_robot_msgs_py.cdr import ENCAPSULATION, UINT32, pack_stamp, unpack_stamp
+from space_robot_msgs_py.codec.cdr import ENCAPSULATION, UINT32, pack_stamp, unpack_stamp
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.events import ControllerEvent
 

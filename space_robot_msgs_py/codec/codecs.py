@@ -1,7 +1,7 @@
 """Every codec under one roof: values, texts and raw messages to and from canonical bytes."""
 
-from space_robot_msgs_py.telemetry_codec import TelemetryCodec
-from space_robot_msgs_py.text_codecs import (
+from space_robot_msgs_py.codec.telemetry import TelemetryCodec
+from space_robot_msgs_py.codec.texts import (
     decode_clock,
     decode_events,
     decode_string,
@@ -10,8 +10,8 @@ from space_robot_msgs_py.text_codecs import (
     encode_string,
     peek_stamp,
 )
-from space_robot_msgs_py.topic_bytes import LOGGED, TickCodec, TopicBytes
-from space_robot_msgs_py.value_codecs import CommandCodec, ReferenceCodec, StateCodec
+from space_robot_msgs_py.codec.topic_bytes import LOGGED, TickCodec, TopicBytes
+from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec
 
 __all__ = [
     "LOGGED",

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from space_robot_msgs_py.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec
+from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec
+from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_msgs_py.layout import Layout
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, Topic
 
 _XYZ, _XYZW = ("x", "y", "z"), ("x", "y", "z", "w")

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from space_robot_msgs_py.cdr import ENCAPSULATION, UINT32, aligned
+from space_robot_msgs_py.codec.cdr import ENCAPSULATION, UINT32, aligned
+from space_robot_msgs_py.codec.layout import Layout
+from space_robot_msgs_py.codec.message_layouts import multi_array
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import Telemetry
-from space_robot_msgs_py.layout import Layout
-from space_robot_msgs_py.message_layouts import multi_array
 from space_robot_msgs_py.topics import Topic
 
 STAMP = "stamp"

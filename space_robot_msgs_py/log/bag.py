@@ -11,9 +11,9 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.log_directory import METADATA_FILE
-from space_robot_msgs_py.mcap_records import MESSAGE, parse
-from space_robot_msgs_py.mcap_salvage import Damage, Record, salvage
+from space_robot_msgs_py.log.directory import METADATA_FILE
+from space_robot_msgs_py.log.mcap.records import MESSAGE, parse
+from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
 
 
 class BagMessage(NamedTuple):
@@ -75,7 +75,7 @@ class Bag:
         """What is not plain MCAP (SQLite, compression by rosbag2) is left to rosbags."""
         from rosbags.highlevel import AnyReader
 
-        from space_robot_msgs_py.schemas import typestore
+        from space_robot_msgs_py.codec.schemas import typestore
 
         try:
             with AnyReader([self.path], default_typestore=typestore()) as reader:

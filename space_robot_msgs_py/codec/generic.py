@@ -5,9 +5,9 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from space_robot_msgs_py.cdr import MAX_TRAILING
+from space_robot_msgs_py.codec.cdr import MAX_TRAILING
+from space_robot_msgs_py.codec.schemas import typestore
 from space_robot_msgs_py.errors import LayoutError
-from space_robot_msgs_py.schemas import typestore
 
 
 def canonical_message(ros_type: str, raw: bytes) -> bytes:

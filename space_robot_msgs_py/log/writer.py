@@ -7,14 +7,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from space_robot_msgs_py.codecs import LOGGED, TickCodec, encode_string
+from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec, encode_string
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.interfaces import PlantSample, Reference, Tick
-from space_robot_msgs_py.log_directory import TEMPORARY, prepare_directory, recorded_topics, write_metadata_yaml
-from space_robot_msgs_py.log_header import LogHeader
-from space_robot_msgs_py.log_preamble import CHANNELS, END_NAME, preamble
-from space_robot_msgs_py.mcap_index import write_indexed
-from space_robot_msgs_py.mcap_records import message_bytes, metadata_bytes
+from space_robot_msgs_py.log.directory import TEMPORARY, prepare_directory, recorded_topics, write_metadata_yaml
+from space_robot_msgs_py.log.header import LogHeader
+from space_robot_msgs_py.log.preamble import CHANNELS, END_NAME, preamble
+from space_robot_msgs_py.log.mcap.index import write_indexed
+from space_robot_msgs_py.log.mcap.records import message_bytes, metadata_bytes
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, TF, TF_STATIC, Topic
 from space_robot_msgs_py.transforms import FrameTransforms
 

@@ -15,8 +15,8 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Header, Metadata, Schema, Statistics
 
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.mcap_chunks import unpack_beginning, unpack_chunk
-from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, parse, parse_attachment, walk
+from space_robot_msgs_py.log.mcap.chunks import unpack_beginning, unpack_chunk
+from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, parse, parse_attachment, walk
 
 _OPCODES = frozenset(int(opcode) for opcode in Opcode)
 # An opcode and a length below 4 GB: in compressed bytes that is one in 2^36, so looking for it is fast.

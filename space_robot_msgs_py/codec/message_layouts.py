@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from space_robot_msgs_py.codec.layout import ErrorClass, Layout, LayoutBuilder
 from space_robot_msgs_py.errors import LayoutError
-from space_robot_msgs_py.layout import ErrorClass, Layout, LayoutBuilder
 
 INERTIAL = "inertial"
 BASE_LINK = "base_link"

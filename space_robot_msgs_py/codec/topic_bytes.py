@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from space_robot_msgs_py.codec.generic import canonical_message
+from space_robot_msgs_py.codec.layout import Layout
+from space_robot_msgs_py.codec.telemetry import TelemetryCodec
+from space_robot_msgs_py.codec.texts import decode_events, encode_events, peek_stamp
+from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.events import ControllerEvent
-from space_robot_msgs_py.general import canonical_message
 from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Telemetry, Tick
-from space_robot_msgs_py.layout import Layout
-from space_robot_msgs_py.telemetry_codec import TelemetryCodec
-from space_robot_msgs_py.text_codecs import decode_events, encode_events, peek_stamp
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, PLANT_TELEMETRY, TABLE, Topic
-from space_robot_msgs_py.value_codecs import CommandCodec, ReferenceCodec, StateCodec
 
 # What a tick consists of, in the order of the log; what follows from it comes behind it.
 LOGGED: tuple[Topic, ...] = tuple(t for t in TABLE if t.recorded and not t.latched and not t.derived)

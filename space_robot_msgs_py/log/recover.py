@@ -6,12 +6,12 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from space_robot_msgs_py.bag import Bag, intact
+from space_robot_msgs_py.log.bag import Bag, intact
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.log_directory import BAG_SUFFIX, METADATA_FILE, prepare_directory, write_metadata_yaml
-from space_robot_msgs_py.log_merge import BagMerger
-from space_robot_msgs_py.log_reader import LogReader
-from space_robot_msgs_py.mcap_salvage import Damage
+from space_robot_msgs_py.log.directory import BAG_SUFFIX, METADATA_FILE, prepare_directory, write_metadata_yaml
+from space_robot_msgs_py.log.merge import BagMerger
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.mcap.salvage import Damage
 
 CUT = "cut"
 

@@ -13,7 +13,7 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, McapRecord, Metadata
 
 from space_robot_msgs_py.errors import LogError
-from space_robot_msgs_py.mcap_chunks import unpack_chunk
+from space_robot_msgs_py.log.mcap.chunks import unpack_chunk
 
 MAGIC = b"\x89MCAP0\r\n"
 PREFIX = struct.Struct("<BQ")

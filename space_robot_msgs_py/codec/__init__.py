@@ -1,0 +1,1 @@
+"""Values and messages to and from canonical CDR bytes."""

@@ -1,0 +1,1 @@
+"""The log: a rosbag2 bag written, read, merged and recovered."""

@@ -1,0 +1,1 @@
+"""MCAP records below the log: chunks, index, salvage."""
