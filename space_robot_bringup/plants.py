@@ -16,7 +16,7 @@ from space_robot_description.spec import expand
 from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
 from space_robot_sim.grasp.airbearing import AirbearingTestbed
 from space_robot_sim.grasp.captured import CapturedDebris, capability
-from space_robot_sim.grasp.held import grasp_joints, whole_steps
+from space_robot_sim.grasp.plant import grasp_joints, whole_steps
 from space_robot_sim.initial import InitialState
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import fixed_steps, method

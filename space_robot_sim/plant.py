@@ -12,8 +12,7 @@ from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
-from space_robot_sim.fallback import PinocchioIntegrator
-from space_robot_sim.hold import Acting, CommandHold
+from space_robot_sim.command_hold import Acting, CommandHold
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
@@ -21,6 +20,7 @@ from space_robot_sim.kernel.arrays import robot_arrays
 from space_robot_sim.kernel.period import Flight, flight, fly, open_books, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
+from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import IntegratorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry

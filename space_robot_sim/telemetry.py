@@ -6,7 +6,7 @@ import numpy as np
 
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Telemetry
-from space_robot_sim.hold import Acting
+from space_robot_sim.command_hold import Acting
 from space_robot_sim.kernel.period import Flight
 
 

@@ -14,7 +14,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
 from space_robot_sim.grasp.camera import Camera
 from space_robot_sim.grasp.dynamics import Push
-from space_robot_sim.grasp.held import HeldBody, whole_steps
+from space_robot_sim.grasp.plant import HeldBody, whole_steps
 from space_robot_sim.grasp.spec import AirbearingSpec
 from space_robot_sim.initial import InitialState
 

@@ -12,8 +12,8 @@ from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
 from space_robot_sim.grasp.dynamics import Push
-from space_robot_sim.grasp.held import HeldBody
 from space_robot_sim.grasp.orbit import Orbit
+from space_robot_sim.grasp.plant import HeldBody
 from space_robot_sim.grasp.spec import CapturedSpec, ConfigurationChange
 from space_robot_sim.initial import InitialState
 from space_robot_sim.sensors import Sensors

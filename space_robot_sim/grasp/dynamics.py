@@ -12,7 +12,7 @@ from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.orbit import Orbit
 from space_robot_sim.kernel.tableau import STAGES, A, B, C
-from space_robot_sim.triples import Triple, cross, quaternion_rate, turn, turn_back
+from space_robot_sim.vectors3 import Triple, cross, quaternion_rate, turn, turn_back
 
 NOTHING: Triple = (0.0, 0.0, 0.0)
 

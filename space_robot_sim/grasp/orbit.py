@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import cos, expm1, log1p, sin, sqrt
 
 from space_robot_sim.grasp.spec import OrbitSpec
-from space_robot_sim.triples import Triple
+from space_robot_sim.vectors3 import Triple
 
 
 class Orbit:

@@ -6,8 +6,8 @@ import numpy as np
 
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Telemetry, Vector
+from space_robot_sim.command_hold import Acting
 from space_robot_sim.grasp.law import Grasp
-from space_robot_sim.hold import Acting
 
 
 class GraspTelemetry:

@@ -2,39 +2,61 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
 from space_robot_msgs_py.errors import SilenceError
 from space_robot_msgs_py.interfaces import NANOSECONDS, PlantSample
+from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.diagnostics import Diagnostics
 from space_robot_msgs_py.topics import topics_of
 
-if TYPE_CHECKING:
-    from space_robot_sim.nodes.simulator import SimulatorNode
-
 DIAGNOSTICS_PERIOD = 1.0
 RESIDUALS = ("momentum_residual", "energy_residual", "quaternion_residual")
+
+
+class SimulatorStatus(NamedTuple):
+    """What the simulator says of itself.
+
+    Attributes:
+        tick: of the state that waits for its answer.
+        stamp: of that state [ns].
+        period: control period [ns].
+        started: the first state was published.
+        standing: time may not pass: paused, not active, or at the end of the run.
+        sample: the newest of the plant.
+        commands: refused, missed and late ones, counted by reason.
+    """
+
+    tick: int
+    stamp: int
+    period: int
+    started: bool
+    standing: bool
+    sample: PlantSample | None
+    commands: Mapping[str, int]
 
 
 class SimulatorHealth:
     """Publishes counters once a second of the steady clock and ends a lock-step run nobody answers.
 
     Args:
-        simulator: the node to watch.
+        node: the node to watch.
+        status: what it says of itself now.
         patience: how long the awaited command may take before the run ends [s].
     """
 
-    def __init__(self, simulator: SimulatorNode, patience: float) -> None:
-        self._simulator, self._patience = simulator, patience
+    def __init__(self, node: GraphNode, status: Callable[[], SimulatorStatus], patience: float) -> None:
+        self._node, self._status, self._patience = node, status, patience
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._diagnostics = Diagnostics(simulator, "plant")
+        self._diagnostics = Diagnostics(node, "plant")
         self._seen_tick, self._silent_since = -1, self._clock.now()
         self._flown = self._saturated = 0
         self._warned = False
-        self._timer = simulator.create_timer(DIAGNOSTICS_PERIOD, self._on_timer, clock=self._clock)
+        self._timer = node.create_timer(DIAGNOSTICS_PERIOD, self._on_timer, clock=self._clock)
 
     def count(self, sample: PlantSample) -> None:
         """Count a period that was flown."""
@@ -42,19 +64,18 @@ class SimulatorHealth:
         self._saturated += bool(sample.telemetry["saturation"].any())
 
     def _on_timer(self) -> None:
-        simulator = self._simulator
-        progress = simulator.tick - max(self._seen_tick, 0)
-        standing = simulator.paused or not simulator.active or simulator.end_reason is not None
-        if standing or simulator.tick != self._seen_tick:
-            self._seen_tick, self._silent_since = simulator.tick, self._clock.now()
+        status = self._status()
+        progress = status.tick - max(self._seen_tick, 0)
+        if status.standing or status.tick != self._seen_tick:
+            self._seen_tick, self._silent_since = status.tick, self._clock.now()
         silence = (self._clock.now() - self._silent_since).nanoseconds * 1e-9
-        self._publish(max(progress, 0), silence)
+        self._publish(status, max(progress, 0), silence)
         if silence > self._patience:
-            simulator.fail(self._silence(silence))
+            self._node.fail(self._silence(status, silence))
 
-    def _silence(self, seconds: float) -> SilenceError:
+    def _silence(self, status: SimulatorStatus, seconds: float) -> SilenceError:
         lasted, limit = f"{seconds:.0f} s of silence", f"within {self._patience:g} s"
-        if not self._simulator.started:
+        if not status.started:
             return SilenceError(
                 "the run cannot start, the recorder does not hear every node",
                 key="recorder/credit",
@@ -62,28 +83,28 @@ class SimulatorHealth:
                 accepted=f"recorder, guidance and controller on one domain {limit}",
             )
         return SilenceError(
-            f"no command answers the state at {self._simulator.stamp} ns",
+            f"no command answers the state at {status.stamp} ns",
             key="base/wrench_command, joint_command",
             value=lasted,
             accepted=f"an answer {limit}; is a controller running?",
         )
 
-    def _publish(self, progress: int, silence: float) -> None:
-        simulator, counts = self._simulator, self._simulator.commands.counts
+    def _publish(self, status: SimulatorStatus, progress: int, silence: float) -> None:
+        counts = status.commands
         warnings = ["commands were refused or missed"] if sum(counts.values()) else []
         pace = progress / DIAGNOSTICS_PERIOD
         commands = {
-            "tick": simulator.tick,
+            "tick": status.tick,
             "ticks_per_second": pace,
-            "realtime_factor": pace * simulator.period / NANOSECONDS,
+            "realtime_factor": pace * status.period / NANOSECONDS,
             "silence_s": silence,
             **dict(sorted(counts.items())),
         }
-        telemetry = simulator.sample.telemetry if simulator.sample is not None else None
+        telemetry = status.sample.telemetry if status.sample is not None else None
         residuals = {name: float(abs(telemetry[name]).max()) for name in RESIDUALS} if telemetry is not None else {}
         share = self._saturated / self._flown if self._flown else 0.0
         self._diagnostics.publish(
-            simulator.stamp,
+            status.stamp,
             [
                 self._diagnostics.status("commands", warnings + self._rivals(), "every state was answered", commands),
                 self._diagnostics.status("plant", [], "flying", {"saturation_share": share, **residuals}),
@@ -92,9 +113,9 @@ class SimulatorHealth:
 
     def _rivals(self) -> list[str]:
         """More than one publisher of commands: the first valid answer is flown, whosever it is."""
-        numbers = {topic.name: self._simulator.count_publishers(topic.name) for topic in topics_of("command")}
+        numbers = {topic.name: self._node.count_publishers(topic.name) for topic in topics_of("command")}
         found = [f"{number} publishers of {name}" for name, number in numbers.items() if number > 1]
         if found and not self._warned:
             self._warned = True
-            self._simulator.get_logger().warning(f"{', '.join(found)}: the first valid answer to a state is flown")
+            self._node.get_logger().warning(f"{', '.join(found)}: the first valid answer to a state is flown")
         return found

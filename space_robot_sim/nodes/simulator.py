@@ -11,7 +11,7 @@ from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION
 from space_robot_sim.nodes.command_port import CommandPort
-from space_robot_sim.nodes.health import SimulatorHealth
+from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import RunServices, StepGate
 from space_robot_sim.nodes.transforms import TransformPublisher
@@ -83,7 +83,7 @@ class SimulatorNode(ManagedNode):
         self.pacer = Pacer(self, self._period / self._realtime, self._on_period) if self._realtime else None
         self.parameters.declare([realtime_row(self._realtime)])
         self._steering = RunServices(self)
-        self._health = SimulatorHealth(self, self._patience)
+        self._health = SimulatorHealth(self, self._status, self._patience)
         self.listen(RECORDER_CREDIT, self._on_credit)
 
     def activate(self) -> None:
@@ -136,6 +136,11 @@ class SimulatorNode(ManagedNode):
         self.tick = 0
         self.commands.expect(0)
         self._begin(self._plant.reset())
+
+    def _status(self) -> SimulatorStatus:
+        standing = self.paused or not self.active or self.end_reason is not None
+        counts = self.commands.counts
+        return SimulatorStatus(self.tick, self.stamp, self._period, self.started, standing, self.sample, counts)
 
     def _on_credit(self, raw: bytes) -> None:
         self._credit = max(self._credit, decode_clock(raw))

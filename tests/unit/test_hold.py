@@ -7,7 +7,7 @@ import pytest
 
 from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import Command
-from space_robot_sim.hold import NO_COMMAND, CommandHold
+from space_robot_sim.command_hold import NO_COMMAND, CommandHold
 
 JOINTS = 2
 

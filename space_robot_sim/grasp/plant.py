@@ -11,13 +11,13 @@ import numpy as np
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
-from space_robot_sim.grasp.books import Books
+from space_robot_sim.command_hold import Acting, CommandHold
+from space_robot_sim.grasp.conservation import Books
 from space_robot_sim.grasp.dynamics import GraspDynamics, Push
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.orbit import Orbit
 from space_robot_sim.grasp.spec import GraspSpec
 from space_robot_sim.grasp.telemetry import GraspTelemetry
-from space_robot_sim.hold import Acting, CommandHold
 from space_robot_sim.initial import InitialState
 
 

@@ -35,7 +35,7 @@ from space_robot_sim.kernel.steps import (
     step_factor,
 )
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
-from space_robot_sim.triples import cross, quaternion_rate, turn
+from space_robot_sim.vectors3 import cross, quaternion_rate, turn
 
 
 class PinocchioIntegrator:
