@@ -6,9 +6,9 @@ import tempfile
 from pathlib import Path
 from statistics import median
 
-from space_robot_bringup.campaign.journal import finished_row
-from space_robot_bringup.campaign.run import run_campaign
-from space_robot_bringup.campaign.spec import load_campaign
+from space_robot_studies.campaign.campaign import run_campaign
+from space_robot_studies.campaign.journal import finished_row
+from space_robot_studies.campaign.spec import load_campaign
 
 RUNS, REPEATS, WORKERS = 100, 3, 2
 CAMPAIGN = """

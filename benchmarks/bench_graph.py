@@ -11,11 +11,12 @@ from typing import Any
 
 from rclpy.experimental import EventsExecutor
 
-from space_robot_bringup.compose import Composition, compose
-from space_robot_bringup.experiment import load_experiment, with_duration
-from space_robot_bringup.graph import LIGHT, make_graph, private_context, spin, spin_graph
-from space_robot_bringup.processes import fly_processes
-from space_robot_bringup.run import Hooks
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import load_experiment, with_duration
+from space_robot_bringup.modes.context import private_context
+from space_robot_bringup.modes.graph import LIGHT, make_graph, spin, spin_graph
+from space_robot_bringup.modes.hooks import Hooks
+from space_robot_bringup.modes.processes import fly_processes
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.nodes.base import GraphNode

@@ -6,9 +6,9 @@ import tempfile
 from pathlib import Path
 from time import perf_counter
 
-from space_robot_bringup import closed_loop
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment, with_duration
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment, with_duration
+from space_robot_bringup.modes import headless
 from space_robot_msgs_py.log.writer import LogSink, MemorySink
 
 CASES = ("liu2023/fig08", "point_to_point/panda_sat")
@@ -30,7 +30,7 @@ def run() -> dict[str, float]:
                 parts = composition.plant(), composition.controller(), composition.reference()
                 parts[0].step(None)
                 begin = perf_counter()
-                closed_loop.run(*parts, steps=PERIODS, sink=sink)
+                headless.run(*parts, steps=PERIODS, sink=sink)
                 wall = perf_counter() - begin
                 table[f"{case}, {name}: us per period"] = 1e6 * wall / PERIODS
                 table[f"{case}, {name}: simulated s per s"] = experiment.duration / wall

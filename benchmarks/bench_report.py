@@ -6,9 +6,9 @@ import tempfile
 from pathlib import Path
 from time import perf_counter
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.report.log_report import write_log_report
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
+from space_robot_report.pages.log_report import write_log_report
 
 FLIGHTS = {"liu2023/fig08": "mini, 4 joints, boxes", "point_to_point/panda_sat": "panda_sat, 7 joints, meshes"}
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.replay.command import Order, Replayed, replay
-from space_robot_bringup.run import Mode, run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import Mode, run_experiment
+from space_robot_bringup.replay.replay import Order, Replayed, replay
 
 
 def fly(place: Path, experiment: str, *overrides: str, mode: Mode = "headless") -> Path:

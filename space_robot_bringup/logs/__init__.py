@@ -1,1 +1,1 @@
-"""What is in a log: for people and programs that look at one without computing anything again."""
+"""What a log contains, and the assessment of a log that may be truncated."""

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import Experiment, experiment_from
-from space_robot_bringup.run import judge_ticks
-from space_robot_bringup.verdict import Check
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import Experiment, experiment_from
+from space_robot_bringup.judge.verdict import Check
+from space_robot_bringup.modes.run import judge_ticks
 from space_robot_description.load import load_robot
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError

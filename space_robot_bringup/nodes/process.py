@@ -16,19 +16,12 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 
-from space_robot_bringup.compose import Composition, compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import (
-    domain_number,
-    drain,
-    local_context,
-    make_executor,
-    make_node,
-    raise_bug,
-    spin,
-)
-from space_robot_bringup.start import Start, parser, split_ros_arguments, start_from
-from space_robot_bringup.stopping import StopFlag
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.context import domain_number, local_context
+from space_robot_bringup.modes.graph import drain, make_executor, make_node, raise_bug, spin
+from space_robot_bringup.modes.signals import StopFlag
+from space_robot_bringup.nodes.arguments import Start, parser, split_ros_arguments, start_from
 from space_robot_description.fields import parameter_rows
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode

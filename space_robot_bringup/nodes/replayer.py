@@ -12,10 +12,11 @@ from pathlib import Path
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
-from space_robot_bringup.graph import domain_number, local_context, make_executor, raise_bug, spin
+from space_robot_bringup.modes.context import domain_number, local_context
+from space_robot_bringup.modes.graph import make_executor, raise_bug, spin
+from space_robot_bringup.modes.signals import StopFlag
 from space_robot_bringup.replay.comparison import EXACT
 from space_robot_bringup.replay.publish import Answers, Broadcast, PublishOrder, open_broadcast
-from space_robot_bringup.stopping import StopFlag
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_sim.nodes.replayer import ReplayerNode
 

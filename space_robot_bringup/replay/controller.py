@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Mapping
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
-from space_robot_bringup.replay.happening import happen
-from space_robot_bringup.replay.outcome import Outcome, absent_topics
+from space_robot_bringup.replay.controller_events import happen
 from space_robot_bringup.replay.recording import Recording
+from space_robot_bringup.replay.result import Outcome, absent_topics
 from space_robot_msgs_py.codec.codecs import TickCodec, decode_events
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent

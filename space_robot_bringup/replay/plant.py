@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
-from space_robot_bringup.replay.outcome import Outcome, absent_topics
 from space_robot_bringup.replay.recording import Recording
+from space_robot_bringup.replay.result import Outcome, absent_topics
 from space_robot_msgs_py.codec.codecs import TickCodec
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import Command, PlantSample

@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
-from space_robot_bringup.replay.foreign import foreign_rows
+from space_robot_bringup.replay.foreign_bag import foreign_rows
 from space_robot_msgs_py.codec.codecs import LOGGED, CommandCodec, decode_string
 from space_robot_msgs_py.codec.generic import parse
 from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError

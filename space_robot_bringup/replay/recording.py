@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.compose import Composition, compose, versions
-from space_robot_bringup.experiment import experiment_from, experiment_path, located, with_overrides
-from space_robot_bringup.replay.changes import changed
-from space_robot_bringup.replay.foreign import foreign_rows
+from space_robot_bringup.compose.composition import Composition, compose, versions
+from space_robot_bringup.experiment.experiment import experiment_from, experiment_path, located, with_overrides
+from space_robot_bringup.replay.foreign_bag import foreign_rows
 from space_robot_description.validation import parse_yaml, parse_yaml_text
 from space_robot_msgs_py.errors import LogError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
@@ -102,3 +101,28 @@ def _composed(
 ) -> tuple[Composition, dict[str, tuple[Any, Any]]]:
     now = compose(experiment_from(with_overrides(data, overrides), where))
     return now, changed(data, overrides, where)
+
+
+def changed(data: Mapping[str, Any], overrides: Iterable[str], where: str) -> dict[str, tuple[Any, Any]]:
+    """Dotted key to (recorded, now) of every value of the resolved experiment that the overrides change.
+
+    Args:
+        data: the recorded experiment.
+        overrides: ``dotted.key=value``.
+        where: its name, for errors.
+    """
+    listed = list(overrides)
+    if not listed:
+        return {}
+    before = flat(experiment_from(data, where).model_dump(mode="json"))
+    now = flat(experiment_from(with_overrides(data, listed), where).model_dump(mode="json"))
+    keys = dict.fromkeys((*before, *now))
+    return {key: (before.get(key), now.get(key)) for key in keys if before.get(key) != now.get(key)}
+
+
+def flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Values by dotted key; lists are values."""
+    found: dict[str, Any] = {}
+    for key, value in data.items():
+        found |= flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) and value else {f"{prefix}{key}": value}
+    return found

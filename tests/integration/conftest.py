@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.cli import main
+from space_robot_cli.main import main
 from tests.integration.tool import Tool
 
 

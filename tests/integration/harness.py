@@ -12,9 +12,10 @@ from typing import Any
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 
-from space_robot_bringup.compose import Composition, compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import LIGHT, make_node, private_context
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.context import private_context
+from space_robot_bringup.modes.graph import LIGHT, make_node
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_msgs_py.topics import Topic

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.harness import flight

@@ -21,9 +21,9 @@ playwright = pytest.importorskip("playwright.sync_api")
 image = pytest.importorskip("PIL.Image")
 pytest.importorskip("viser")
 
-from space_robot_bringup.experiment import load_experiment  # noqa: E402
-from space_robot_bringup.report.log_report import write_log_report  # noqa: E402
-from space_robot_bringup.run import run_experiment  # noqa: E402
+from space_robot_bringup.experiment.experiment import load_experiment  # noqa: E402
+from space_robot_bringup.modes.run import run_experiment  # noqa: E402
+from space_robot_report.pages.log_report import write_log_report  # noqa: E402
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = [
@@ -136,7 +136,7 @@ def test_a_click_into_a_plot_goes_to_its_time(bag: Path, tmp_path: Path, browser
 @contextmanager
 def viewer(bag: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
     """``space-robot view`` and its address."""
-    command = [sys.executable, "-m", "space_robot_bringup", "view", str(bag), "--no-browser", "--port", "18231"]
+    command = [sys.executable, "-m", "space_robot_cli", "view", str(bag), "--no-browser", "--port", "18231"]
     child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert child.stdout is not None

@@ -11,8 +11,8 @@ import pytest
 
 pytest.importorskip("distributed")
 
-from space_robot_bringup.campaign import cluster
-from space_robot_bringup.cli import main
+from space_robot_cli.main import main
+from space_robot_studies.campaign import cluster
 
 CAMPAIGN = """
 title: test
@@ -172,9 +172,9 @@ def test_a_run_that_is_not_said_or_said_twice(space_robot: Tool, tmp_path: Path,
 
 def test_a_directory_of_another_campaign_is_left_alone(space_robot: Tool, tmp_path: Path) -> None:
     """Resumed are only the campaign, the number of runs and the versions a directory was begun with."""
-    from space_robot_bringup.campaign.journal import open_journal
-    from space_robot_bringup.campaign.spec import load_campaign
-    from space_robot_bringup.compose import versions
+    from space_robot_bringup.compose.composition import versions
+    from space_robot_studies.campaign.journal import open_journal
+    from space_robot_studies.campaign.spec import load_campaign
 
     write(tmp_path)
     here = {name: versions()[name] for name in versions()}
@@ -190,9 +190,9 @@ def test_a_directory_of_another_campaign_is_left_alone(space_robot: Tool, tmp_pa
 
 def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     """Rows are comparable only if everything that can change their bits is the same; a torn line is cut off."""
-    from space_robot_bringup.campaign.journal import Row, finished_row, open_journal
-    from space_robot_bringup.campaign.spec import load_campaign
     from space_robot_msgs_py.errors import LogError, SpecError
+    from space_robot_studies.campaign.journal import Row, finished_row, open_journal
+    from space_robot_studies.campaign.spec import load_campaign
 
     write(tmp_path)
     spec, out = load_campaign(str(tmp_path / "campaign.yaml")), tmp_path / "out"

@@ -163,7 +163,7 @@ def test_the_tool_explains_itself(space_robot: Tool, tmp_path: Path, arguments: 
 
 def test_a_copied_experiment_runs_with_another_arm(space_robot: Tool, tmp_path: Path) -> None:
     """The UR5 experiment, copied, with only the robot changed, flies the Panda; both arrive."""
-    from space_robot_bringup.experiment import experiment_path
+    from space_robot_bringup.experiment.experiment import experiment_path
 
     text = experiment_path("point_to_point/ur5_sat").read_text()
     assert "robot: ur5_sat" in text
@@ -179,6 +179,6 @@ def test_a_copied_experiment_runs_with_another_arm(space_robot: Tool, tmp_path: 
 
 def test_the_tool_runs_as_a_program(tmp_path: Path) -> None:
     """Started as its own process: a mistake is one line and exit 2, and nothing of Python shows."""
-    command = [sys.executable, "-m", "space_robot_bringup", "run", "liu2023/fig8"]
+    command = [sys.executable, "-m", "space_robot_cli", "run", "liu2023/fig8"]
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False, timeout=120)
     refused(done, "liu2023/fig8", "liu2023/fig08")

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from space_robot_bringup.logs.info import bag_info
-from space_robot_bringup.logs.show import info_dict
-from space_robot_bringup.replay.show import as_dict
+from space_robot_cli.render.log import info_dict
+from space_robot_cli.render.replay import as_dict
 from space_robot_msgs_py.codec.codecs import LOGGED
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.log.reader import LogReader

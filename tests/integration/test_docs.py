@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.campaign.cases import check_cases, make_case
-from space_robot_bringup.campaign.fly import fly_case
-from space_robot_bringup.campaign.spec import load_campaign
-from space_robot_bringup.cli import main
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import dump_yaml, experiment_from, load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import dump_yaml, experiment_from, load_experiment
+from space_robot_bringup.modes.run import run_experiment
+from space_robot_cli.main import main
 from space_robot_description.validation import parse_yaml_text
+from space_robot_studies.campaign.cases import check_cases, make_case
+from space_robot_studies.campaign.run_case import fly_case
+from space_robot_studies.campaign.spec import load_campaign
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.graph import reserved_domain
+from space_robot_bringup.modes.context import reserved_domain
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.log.reader import LogReader
 

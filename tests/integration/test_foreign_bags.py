@@ -14,7 +14,7 @@ from mcap_ros2.writer import Writer as McapRos2Writer
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
 from space_robot_bringup.logs.info import bag_info
-from space_robot_bringup.replay.command import Replayed
+from space_robot_bringup.replay.replay import Replayed
 from space_robot_msgs_py.codec.schemas import schema_text, typestore
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.recover import recover

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.keys import set_key
-from space_robot_bringup.replay.changes import flat
-from space_robot_bringup.replay.command import Order, replay
+from space_robot_bringup.experiment.dotted_keys import set_key
 from space_robot_bringup.replay.comparison import Tolerance
-from space_robot_bringup.replay.recording import open_recording
+from space_robot_bringup.replay.recording import flat, open_recording
+from space_robot_bringup.replay.replay import Order, replay
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.log.reader import LogReader

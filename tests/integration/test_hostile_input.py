@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from space_robot_bringup import render
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
+from space_robot_cli.render import run as render
 from space_robot_description.share import resource
 from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
 
@@ -97,7 +97,7 @@ def test_a_recording_with_gaps_is_refused(flight: Path) -> None:
 def test_a_picture_is_written_where_it_is_told(flight: Path) -> None:
     """A folder is no picture, and a name without a suffix stays as it is."""
     pytest.importorskip("matplotlib")
-    from space_robot_bringup.report.figure import draw
+    from space_robot_report.figures.log import draw
 
     bag = flight.with_name("bag")
     run_experiment(load_experiment(str(flight)), bag, mode="headless")

@@ -12,7 +12,7 @@ from tests.integration.distribution import copy_source, executables, foreign_env
 from tests.integration.follow import ended
 
 pytest.importorskip("rclpy")
-from space_robot_bringup.graph import reserved_domain
+from space_robot_bringup.modes.context import reserved_domain
 from space_robot_msgs_py.log.reader import LogReader
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("colcon")]

@@ -21,7 +21,8 @@ pytest.importorskip("rclpy")
 from rcl_interfaces.srv import ListParameters
 from rclpy.node import Node
 
-from space_robot_bringup.graph import local_context, make_executor, reserved_domain
+from space_robot_bringup.modes.context import local_context, reserved_domain
+from space_robot_bringup.modes.graph import make_executor
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("wheel")]
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
 from tests.integration.follow import ended
 
 pytest.importorskip("rclpy")
@@ -27,7 +27,7 @@ def test_two_runs_at_once_leave_the_logs_of_two_runs_alone(tmp_path: Path) -> No
         name: ["controller.law=computed_torque", "duration=50.0", f"reference.roll.amplitude_deg={amplitude}"]
         for name, amplitude in amplitudes.items()
     }
-    command = [sys.executable, "-m", "space_robot_bringup", "run", "liu2023/fig11", "--mode", "processes"]
+    command = [sys.executable, "-m", "space_robot_cli", "run", "liu2023/fig11", "--mode", "processes"]
     children = [
         subprocess.Popen(
             [*command, "--out", str(tmp_path / name), *(word for key in keys for word in ("--set", key))],

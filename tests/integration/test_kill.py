@@ -14,8 +14,9 @@ from time import monotonic, sleep
 import numpy as np
 import pytest
 
-from space_robot_bringup.experiment import load_experiment, with_duration
-from space_robot_bringup.run import Hooks, run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment, with_duration
+from space_robot_bringup.modes.hooks import Hooks
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 
 pytest.importorskip("rclpy")
@@ -26,8 +27,9 @@ PERIOD = 250_000_000
 PILOT = """
 import mmap, struct, sys
 from pathlib import Path
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import Hooks, run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.hooks import Hooks
+from space_robot_bringup.modes.run import run_experiment
 file = open(sys.argv[2], "r+b")
 board = mmap.mmap(file.fileno(), 8)
 hooks = Hooks(on_tick=lambda tick: struct.pack_into("<q", board, 0, tick))
@@ -71,7 +73,7 @@ def test_sigkill_loses_at_most_one_control_period(tmp_path: Path) -> None:
 def test_a_signal_closes_the_log_and_says_so(tmp_path: Path, mode: str, number: signal.Signals, reason: str) -> None:
     """Ctrl-C and SIGTERM leave a closed, readable log with the reason in it, exit code 1 and no traceback."""
     run = tmp_path / "run"
-    command = [sys.executable, "-m", "space_robot_bringup", "run", "liu2023/fig08", "--mode", mode, "--out", str(run)]
+    command = [sys.executable, "-m", "space_robot_cli", "run", "liu2023/fig08", "--mode", mode, "--out", str(run)]
     flown = subprocess.Popen([*command, "--duration", "250000"], stderr=subprocess.PIPE, stdout=subprocess.PIPE)
     wait_for(lambda: any(path.stat().st_size > 100_000 for path in run.glob("*.mcap")), "some of the flight")
     flown.send_signal(number)

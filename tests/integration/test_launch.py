@@ -15,9 +15,9 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("ros2launch", reason="ROS launch is no package of the index: it comes with a ROS installation")
 pytest.importorskip("launch_ros")
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import reserved_domain
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.context import reserved_domain
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.distribution import ROOT
 from tests.integration.follow import await_ticks

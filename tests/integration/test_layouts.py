@@ -11,8 +11,8 @@ import pytest
 from rosbags.highlevel import AnyReader
 from ruamel.yaml import YAML
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.share import config_dir
 
 FOXGLOVE = json.loads((config_dir() / "foxglove" / "space_robot.json").read_text(encoding="utf-8"))

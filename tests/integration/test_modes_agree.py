@@ -10,13 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import Hooks, Mode, run_experiment
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.hooks import Hooks
+from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 
 pytest.importorskip("rclpy")
-from space_robot_bringup.processes import fly_processes
+from space_robot_bringup.modes.processes import fly_processes
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 

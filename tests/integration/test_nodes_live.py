@@ -14,8 +14,8 @@ from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Command, PlantSample, Tick

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup.attitude_path import axis_distances, path_ratio
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
-from space_robot_bringup.tool_error import tool_errors
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_control.rotations import log, relative
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_studies.reproduce.attitude_path import axis_distances, path_ratio
+from space_robot_studies.reproduce.signals import tool_errors
 
 DRAWS = np.random.default_rng(7).uniform(-144.0, 144.0, size=(4, 3)).tolist()
 

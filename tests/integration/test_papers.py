@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.reproduce.plan import load_plan
-from space_robot_bringup.reproduce.reproduction import prepare
 from space_robot_description.share import shipped
+from space_robot_studies.reproduce.plan import load_plan
+from space_robot_studies.reproduce.reproduction import prepare
 
 
 @pytest.mark.parametrize("paper", shipped("papers"))

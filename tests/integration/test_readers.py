@@ -11,8 +11,8 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.topics import TABLE
 
 TICKS = 161

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.cli import main
-from space_robot_bringup.experiment import experiment_path
+from space_robot_bringup.experiment.experiment import experiment_path
+from space_robot_cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

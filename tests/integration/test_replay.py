@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.replay.command import Replayed
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.replay.comparison import Divergence, Tolerance
-from space_robot_bringup.replay.outcome import Outcome
-from space_robot_bringup.replay.references import refly
+from space_robot_bringup.replay.golden import refly
+from space_robot_bringup.replay.replay import Replayed
+from space_robot_bringup.replay.result import Outcome
 from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.interfaces import Tick

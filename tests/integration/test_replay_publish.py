@@ -24,9 +24,10 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import LIGHT, make_executor, make_node, private_context, reserved_domain
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.context import private_context, reserved_domain
+from space_robot_bringup.modes.graph import LIGHT, make_executor, make_node
 from space_robot_bringup.replay.comparison import EXACT
 from space_robot_bringup.replay.publish import Answers, PublishOrder, open_broadcast
 from space_robot_msgs_py.nodes.managed import bring_up

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.run import Mode
+from space_robot_bringup.modes.run import Mode
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_description.share import shipped
 from space_robot_msgs_py.log.reader import LogReader

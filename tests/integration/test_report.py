@@ -16,14 +16,14 @@ import pytest
 
 pytest.importorskip("plotly")
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.judged import read_judged
-from space_robot_bringup.report.log_report import write_log_report
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.logs.assessed import read_judged
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.writer import LogSink
+from space_robot_report.pages.log_report import write_log_report
 from tests.integration.tool import Tool, refused
 
 MOST_BYTES = 10_000_000
@@ -184,7 +184,7 @@ def test_a_robot_without_visuals_is_drawn_as_sticks(space_robot: Tool, tmp_path:
 def test_run_can_show_what_it_flew(space_robot: Tool, monkeypatch: pytest.MonkeyPatch) -> None:
     """``run --view`` flies, prints the verdict, then serves the log at the port asked for."""
     shown = []
-    monkeypatch.setattr("space_robot_bringup.cli.show_log", lambda log, **options: shown.append((str(log), options)))
+    monkeypatch.setattr("space_robot_cli.main.show_log", lambda log, **options: shown.append((str(log), options)))
     done = space_robot("run", "liu2023/fig08", "--out", "bag", "--view", "--port", "9000", "--no-browser")
     assert done.returncode == 0
     assert "PASS" in done.stdout
@@ -282,7 +282,7 @@ def test_the_command_writes_a_page_and_refuses_in_one_line(space_robot: Tool, ba
 def test_what_is_not_installed_is_named(bag: Path, missing: str, command: str, extra: str) -> None:
     """Without viser or plotly the command exits 2 with one line that says what to install."""
     hide = f"import sys; sys.modules[{missing!r}] = None; sys.argv[1:] = [{command!r}, {str(bag)!r}]"
-    code = f"{hide}; from space_robot_bringup.cli import main; main()"
+    code = f"{hide}; from space_robot_cli.main import main; main()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     refused(done, missing, f"space-robot[{extra}]")
 

@@ -13,14 +13,14 @@ from typing import Any
 
 import pytest
 
-from space_robot_bringup.campaign.cases import make_case
-from space_robot_bringup.campaign.fly import fly_case
-from space_robot_bringup.campaign.spec import load_campaign
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.reproduce.fly import Job, fly
-from space_robot_bringup.reproduce.plan import load_plan
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_description.validation import parse_yaml_text
+from space_robot_studies.campaign.cases import make_case
+from space_robot_studies.campaign.run_case import fly_case
+from space_robot_studies.campaign.spec import load_campaign
+from space_robot_studies.reproduce.plan import load_plan
+from space_robot_studies.reproduce.run import Job, fly
 from tests.integration.tool import Tool, refused
 
 pytest.importorskip("matplotlib")
@@ -330,7 +330,7 @@ def test_without_the_drawing_libraries_it_says_what_to_install(
     write(tmp_path)
     monkeypatch.setitem(sys.modules, "jinja2", None)
     for name in ("html", "page", "paper_report"):
-        monkeypatch.delitem(sys.modules, f"space_robot_bringup.report.{name}", raising=False)
+        monkeypatch.delitem(sys.modules, f"space_robot_report.{name}", raising=False)
     refused(space_robot("reproduce", "paper.yaml"), "jinja2", "space-robot[viz]")
     assert not (tmp_path / "out").exists()
 
@@ -339,7 +339,7 @@ def test_an_interrupt_ends_it_without_a_verdict(tmp_path: Path) -> None:
     """Ctrl-C ends workers and parent, judges nothing, leaves no page and no traceback; a later call starts afresh."""
     runs = {"many": {"experiment": "liu2023/fig08", "set": {"duration": 200.0}, "seeds": {"count": 60}}}
     write(tmp_path, runs=runs, panels=[{"signals": ["base.error"]}], tables=[], claims=[], keep="all")
-    command = [sys.executable, "-m", "space_robot_bringup", "reproduce", "paper.yaml", "--figure", "8"]
+    command = [sys.executable, "-m", "space_robot_cli", "reproduce", "paper.yaml", "--figure", "8"]
     with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True) as tool:
         assert tool.stderr is not None
         # A quarter is done when the first line comes.

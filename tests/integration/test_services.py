@@ -10,8 +10,8 @@ import pytest
 pytest.importorskip("rclpy")
 from std_srvs.srv import SetBool, Trigger
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.harness import Flight, flight
 

@@ -10,14 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.parameters import overrides_from
-from space_robot_bringup.start import Start, start_from
+from space_robot_bringup.compose.parameters import overrides_from
+from space_robot_bringup.nodes.arguments import Start, start_from
 from space_robot_msgs_py.errors import SpecError
 
 pytest.importorskip("rclpy")
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import MANAGED, reserved_domain
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.context import reserved_domain
+from space_robot_bringup.modes.graph import MANAGED
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -84,7 +85,7 @@ def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path, start: St
             start(role, domain, "--out", str(run), "--set", "duration=5.0", *(waiting if role in MANAGED else []))
             for role in ROLES
         ]
-        manager = [sys.executable, "-m", "space_robot_bringup.nodes.manager"]
+        manager = [sys.executable, "-m", "space_robot_bringup.nodes.lifecycle_manager"]
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
         done = subprocess.run(manager, env=environment, capture_output=True, text=True, timeout=240, check=False)
         assert done.returncode == 0, done.stderr

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.graph import reserved_domain
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.context import reserved_domain
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.test_executables import ROOT, law_of
 

@@ -16,7 +16,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from space_robot_bringup.run import judge_log
+from space_robot_bringup.modes.run import judge_log
 from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.harness import flight
 

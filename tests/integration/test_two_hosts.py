@@ -15,8 +15,8 @@ from time import sleep
 import numpy as np
 import pytest
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import run_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.follow import await_ticks, ended, ticks_in
@@ -37,7 +37,7 @@ LOOK = """
 import sys
 from time import monotonic
 from rclpy.node import Node
-from space_robot_bringup.graph import local_context
+from space_robot_bringup.modes.context import local_context
 with local_context(7) as context:
     node, end = Node("scout", context=context), monotonic() + float(sys.argv[1])
     while "simulator" not in node.get_node_names() and monotonic() < end:

@@ -11,15 +11,15 @@ import pytest
 pytest.importorskip("viser")
 trimesh = pytest.importorskip("trimesh")
 
-from space_robot_bringup.playback import Footage  # noqa: E402
-from space_robot_bringup.view.load import load_show  # noqa: E402
-from space_robot_bringup.view.serve import Show, serve  # noqa: E402
 from space_robot_description.load import load_robot  # noqa: E402
 from space_robot_description.share import shipped  # noqa: E402
 from space_robot_description.visual import look_of  # noqa: E402
 from space_robot_msgs_py.errors import LogError  # noqa: E402
 from space_robot_msgs_py.log.header import LogHeader  # noqa: E402
 from space_robot_msgs_py.log.writer import LogSink  # noqa: E402
+from space_robot_report.playback import Footage  # noqa: E402
+from space_robot_report.viewer.load import load_show  # noqa: E402
+from space_robot_report.viewer.serve import Show, serve  # noqa: E402
 from tests import values  # noqa: E402
 
 pytestmark = pytest.mark.xdist_group("browser")

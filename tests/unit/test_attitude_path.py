@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_bringup.attitude_path import axis_distances, path_ratio
-from space_robot_bringup.tool_error import tool_errors
 from space_robot_control.rotations import conjugate, exp, product
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_studies.reproduce.attitude_path import axis_distances, path_ratio
+from space_robot_studies.reproduce.signals import tool_errors
 
 GOAL = np.array(exp((0.3, -0.2, 0.1)))
 IDENTITY = np.array([0.0, 0.0, 0.0, 1.0])

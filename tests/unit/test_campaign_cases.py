@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from space_robot_bringup.campaign.cases import check_cases, make_case
-from space_robot_bringup.campaign.draws import Draw
-from space_robot_bringup.campaign.journal import to_yaml
-from space_robot_bringup.campaign.spec import Campaign, load_campaign
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.keys import set_key
+from space_robot_bringup.experiment.dotted_keys import set_key
+from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_control.rotations import from_rpy, log, matrix
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.campaign.cases import check_cases, make_case
+from space_robot_studies.campaign.distributions import Draw
+from space_robot_studies.campaign.journal import to_yaml
+from space_robot_studies.campaign.spec import Campaign, load_campaign
 
 DISPERSE: dict[str, Any] = {
     "initial.attitude_deg": {"uniform": {"low": [-5, -5, 0], "high": [5, 5, 0]}},

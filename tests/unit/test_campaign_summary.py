@@ -11,10 +11,10 @@ import pytest
 pytest.importorskip("scipy")
 pq = pytest.importorskip("pyarrow.parquet")
 
-from space_robot_bringup.campaign.run import judge_groups  # noqa: E402
-from space_robot_bringup.campaign.spec import Campaign  # noqa: E402
-from space_robot_bringup.campaign.summary import Rate, Spread, summarise, summary_names  # noqa: E402
-from space_robot_bringup.campaign.table import parquet  # noqa: E402
+from space_robot_studies.campaign.campaign import judge_groups  # noqa: E402
+from space_robot_studies.campaign.spec import Campaign  # noqa: E402
+from space_robot_studies.campaign.statistics import Rate, Spread, summarise, summary_names  # noqa: E402
+from space_robot_studies.campaign.table import parquet  # noqa: E402
 
 
 def row(index: int, error: float | None, *, completed: bool = True, passed: bool = True) -> dict[str, Any]:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command, PlantSample, Vector

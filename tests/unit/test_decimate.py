@@ -3,7 +3,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from space_robot_bringup.report.decimate import min_max
+from space_robot_report.pages.plots import min_max
 
 signals = hnp.arrays(np.float64, st.integers(1, 5000), elements=st.floats(-1e9, 1e9))
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import experiment_from, load_experiment, to_yaml, with_duration
-from space_robot_bringup.run import run_experiment
-from space_robot_bringup.timebase import steps_of, to_nanoseconds
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import experiment_from, load_experiment, to_yaml, with_duration
+from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError

@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.parameters import rows_of
-from space_robot_bringup.start import ROLES, Start
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.compose.parameters import rows_of
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.hooks import ROLES
+from space_robot_bringup.nodes.arguments import Start
 from space_robot_control.laws.registry import BUILT_IN, law_class
 from space_robot_description.fields import DYNAMIC, changed, parameter_rows
 from space_robot_description.spec import Strict

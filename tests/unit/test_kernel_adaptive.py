@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup import compiling
+from space_robot_bringup.modes import compilation as compiling
 from space_robot_control.laws.adaptive.cycle import Cycle
 from space_robot_control.laws.adaptive.euler_coordinates import difference, euler_acceleration, euler_state
 from space_robot_control.laws.adaptive.kernel.consistency import judge

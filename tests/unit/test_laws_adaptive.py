@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup import closed_loop
-from space_robot_bringup.compose import Composition, compose
-from space_robot_bringup.experiment import experiment_from
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import experiment_from
+from space_robot_bringup.modes import headless
 from space_robot_control.laws import make_law
 from space_robot_control.laws.adaptive.euler_coordinates import euler_state
 from space_robot_control.laws.adaptive.regressor import Regressor
@@ -50,7 +50,7 @@ def fly(gains: dict[str, Any], **changes: Any) -> tuple[Composition, list[Tick],
     }
     composition, sink = compose(experiment_from(experiment | changes, "test")), MemorySink()
     parts = composition.plant(), composition.controller(), composition.reference()
-    reason = closed_loop.run(*parts, steps=composition.experiment.steps, sink=sink)
+    reason = headless.run(*parts, steps=composition.experiment.steps, sink=sink)
     return composition, sink.ticks, reason
 
 

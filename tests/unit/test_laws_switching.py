@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup import closed_loop
-from space_robot_bringup.compose import Composition, compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.metrics import deviations
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.judge.metrics import deviations
+from space_robot_bringup.modes import headless
 from space_robot_control.laws.adaptive.law import Adaptive
 from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.errors import ControlError, SpecError
@@ -54,7 +54,7 @@ def flown(composition: Composition, controller: Any = None) -> list[Tick]:
     sink = MemorySink()
     controller = controller or composition.controller()
     steps = composition.experiment.steps
-    closed_loop.run(composition.plant(), controller, composition.reference(), steps=steps, sink=sink)
+    headless.run(composition.plant(), controller, composition.reference(), steps=steps, sink=sink)
     assert sink.end_reason == "completed"
     return sink.ticks
 

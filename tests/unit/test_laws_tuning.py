@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_control.laws.base import Law
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState

@@ -11,9 +11,9 @@ from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import Reader
 from ruamel.yaml import YAML
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.memory_flight import fly_in_memory, write_bag
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.headless import fly_in_memory, write_bag
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.errors import InputFileError, LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry

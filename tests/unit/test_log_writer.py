@@ -67,7 +67,7 @@ def test_everything_is_readable_while_the_run_goes_on(tmp_path):
 WRITER = """
 import sys
 from pathlib import Path
-from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.log.writer import LogSink
 from tests import values
 sink = LogSink(Path(sys.argv[1]), values.HEADER)
 for count, tick in enumerate(values.run_ticks(500), start=1):

@@ -9,11 +9,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import Experiment, load_experiment
-from space_robot_bringup.reproduce.plan import manifest_path, read_manifest
-from space_robot_bringup.reproduce.spec import Manifest
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import Experiment, load_experiment
 from space_robot_control.laws.mfac.law import ModelFree
+from space_robot_studies.reproduce.manifest import Manifest
+from space_robot_studies.reproduce.plan import manifest_path, read_manifest
 
 CASES = {"6-9": "attitude_6_85", "10-13": "attitude_1_7", "14-17": "position_1036", "18-21": "position_874"}
 MARKED = {

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import experiment_from
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import experiment_from
 from space_robot_description.inertia import inertial_parameters
 
 LOAD = {"mass": 50.1, "com": [0.1, 0.0, 0.2], "inertia": [100, 100, 100, 5, 5, 5]}

@@ -2,10 +2,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from space_robot_bringup.playback import Footage, joint_axes, way_of
-from space_robot_bringup.view.clock import PlayClock
-from space_robot_bringup.view.motion import Motion
 from space_robot_description.load import load_robot
+from space_robot_report.playback import Footage, joint_axes, way_of
+from space_robot_report.viewer.clock import PlayClock
+from space_robot_report.viewer.motion import Motion
 
 
 @pytest.fixture(scope="module")

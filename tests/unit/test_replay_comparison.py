@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from space_robot_bringup.replay.changes import changed, flat
 from space_robot_bringup.replay.comparison import EXACT, Comparison, Tolerance
+from space_robot_bringup.replay.recording import changed, flat
 from space_robot_msgs_py.codec.codecs import CommandCodec, TelemetryCodec
 from space_robot_msgs_py.interfaces import Command, Telemetry
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND, WRENCH_COMMAND

@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.reproduce.measures import Flight
-from space_robot_bringup.reproduce.plan import PlannedFlight, PlannedRun
-from space_robot_bringup.reproduce.reproduction import FlownFigure
-from space_robot_bringup.reproduce.spec import Figure, Panel
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_studies.reproduce.manifest import Figure, Panel
+from space_robot_studies.reproduce.measures import Flight
+from space_robot_studies.reproduce.plan import PlannedFlight, PlannedRun
+from space_robot_studies.reproduce.reproduction import FlownFigure
 
 pytest.importorskip("matplotlib")
-from space_robot_bringup.report.chart import plain
-from space_robot_bringup.report.curves import SINGLY, Curve, curves_of
-from space_robot_bringup.report.palette import PALETTE
+from space_robot_report.figures.chart import plain
+from space_robot_report.figures.curves import SINGLY, Curve, curves_of
+from space_robot_report.palette import PALETTE
 
 TIME = np.arange(5.0)
 EXPERIMENT = load_experiment("liu2023/fig08")

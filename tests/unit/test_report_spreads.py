@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("matplotlib")
 
-from space_robot_bringup.report.spreads import MOST_POINTS, spread_figures
+from space_robot_report.pages.spreads import MOST_POINTS, spread_figures
 
 
 def rows_of(count, seed=0):

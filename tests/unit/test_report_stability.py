@@ -6,9 +6,9 @@ import matplotlib.pyplot as plt
 import pytest
 from pydantic import ValidationError
 
-from space_robot_bringup.report.stability import draw_stability
-from space_robot_bringup.reproduce.stability import StabilityMap
 from space_robot_control.laws.mfac.stability import spectral_radius
+from space_robot_report.figures.stability_map import draw_stability
+from space_robot_studies.reproduce.stability_map import StabilityMap
 
 
 def test_a_drawn_region_is_where_the_loop_is_stable() -> None:

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from space_robot_bringup.reproduce.expression import Condition, Formula
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.reproduce.expression import Condition, Formula
 
 NAMES = ("late", "worst", "n1")
 moderate = st.floats(-1e6, 1e6)

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.reproduce.claims import UNDECIDED, check_words, judge, seed_text
-from space_robot_bringup.reproduce.measures import Flight, FlownRun, reduce, select, take
-from space_robot_bringup.reproduce.numbers import Measure, Number, Quantity
-from space_robot_bringup.reproduce.plan import PlannedFlight, PlannedRun
-from space_robot_bringup.reproduce.spec import Bounds, Claim, Figure
-from space_robot_bringup.reproduce.timing import CycleTimes
+from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.reproduce.claims import UNDECIDED, check_words, judge, seed_text
+from space_robot_studies.reproduce.manifest import Bounds, Claim, Figure
+from space_robot_studies.reproduce.measures import Flight, FlownRun, reduce, select, take
+from space_robot_studies.reproduce.plan import PlannedFlight, PlannedRun
+from space_robot_studies.reproduce.quantities import Measure, Number, Quantity
+from space_robot_studies.reproduce.timing import CycleTimes
 
 BOUNDS = Bounds()
 SMALL = {"attitude": 10.0, "joints": 5.0}

@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from space_robot_bringup.campaign.cases import make_case
-from space_robot_bringup.campaign.spec import load_campaign
-from space_robot_bringup.experiment import dump_yaml, load_experiment
-from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan, picture_name
+from space_robot_bringup.experiment.experiment import dump_yaml, load_experiment
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.campaign.cases import make_case
+from space_robot_studies.campaign.spec import load_campaign
+from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan, picture_name
 
 HEAD = "title: T\ncitation: C\nfigures:\n"
 PERIOD = "control_period"

@@ -7,15 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from space_robot_bringup.attitude_path import axis_distances, path_ratio
-from space_robot_bringup.compose import Composition, compose
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.metrics import measure
-from space_robot_bringup.reproduce.signals import PARAMETERS, Signals, signal_names
-from space_robot_bringup.run import run_experiment
-from space_robot_bringup.tool_error import tool_errors
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.judge.metrics import measure
+from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_studies.reproduce.attitude_path import axis_distances, path_ratio
+from space_robot_studies.reproduce.signals import PARAMETERS, Signals, signal_names, tool_errors
 
 OVERRIDES = (
     "duration=5.0",

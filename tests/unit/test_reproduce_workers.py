@@ -6,8 +6,8 @@ import os
 
 import pytest
 
-from space_robot_bringup.reproduce.workers import THREAD_VARIABLES, Workers
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_studies.reproduce.process_pool import THREAD_VARIABLES, Workers
 
 
 def environment(name: str) -> str | None:

@@ -1,0 +1,1 @@
+"""An experiment put together: plants, controllers, references, parameters."""

@@ -1,0 +1,184 @@
+"""Experiment in, ready-made objects out: the one place that knows how a run is put together."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import dataclass
+from importlib import metadata
+from math import radians
+
+import numpy as np
+
+from space_robot_bringup.compose.controllers import make_controller
+from space_robot_bringup.compose.plants import PLANTS, PlantParts
+from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
+from space_robot_bringup.experiment.plant import ModelSpec
+from space_robot_bringup.judge.metrics import axis_names, metric_names
+from space_robot_bringup.judge.verdict import check_bands, check_expectations
+from space_robot_control.laws.base import Law, Review
+from space_robot_control.references.make import make_reference
+from space_robot_control.references.targets import check_limits
+from space_robot_control.rotations import from_rpy
+from space_robot_description.dispersion import disperse
+from space_robot_description.load import load_robot
+from space_robot_description.payload import attach_payload, known_part
+from space_robot_description.robot import Robot
+from space_robot_description.spec import expand
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
+from space_robot_msgs_py.log.header import LogHeader
+from space_robot_sim.initial import InitialState
+
+# Everything whose version can change the bits of a run; the log carries it.
+VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
+# References that a law reviews before a flight.
+PATH_POINTS = 200
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Composition:
+    """The parts of one run.
+
+    Attributes:
+        experiment: what it was made from.
+        nominal: the robot the flight software believes in.
+        truth: the robot that flies, as it starts.
+        changes: (stamp [ns], robot that flies from then on), in order.
+    """
+
+    experiment: Experiment
+    nominal: Robot
+    truth: Robot
+    changes: tuple[tuple[int, Robot], ...]
+    _reference: ReferenceSource
+    _seeds: tuple[np.random.SeedSequence, ...]
+    _q0: Vector
+    _v0: Vector
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Joint names in model order."""
+        return self.nominal.joint_names
+
+    @property
+    def header(self) -> LogHeader:
+        """Provenance for a log; made when asked for, which a run that is not logged never does."""
+        robot = self.nominal
+        resolved = self.experiment.model_copy(update={"robot": dict(robot.resolved)})
+        return LogHeader(to_yaml(resolved), robot.urdf, self.experiment.seed, robot.joint_names, versions())
+
+    def plant(self) -> Plant:
+        """A new plant in its initial state."""
+        seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
+        initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
+        return PLANTS[spec.kind].make(spec, PlantParts(self.truth, self.experiment.period, initial, seed, self.changes))
+
+    def controller(self) -> Law:
+        """A new controller; it gets the nominal robot and nothing else."""
+        return make_controller(self.experiment.controller, self.nominal, self.experiment.control_period)
+
+    def reference(self) -> ReferenceSource:
+        """The reference source: a function of time, which all who ask share."""
+        return self._reference
+
+    def review(self) -> Review:
+        """What the law says about this flight before it: see ``Law.review``."""
+        source, experiment = self.reference(), self.experiment
+        still = np.zeros(self._v0.size)
+        stride = max(1, experiment.steps // PATH_POINTS)
+        stamps = [tick * experiment.period for tick in range(0, experiment.steps + 1, stride)]
+        return self.controller().review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
+
+
+def compose(experiment: Experiment) -> Composition:
+    """Build robots and provenance and check that every part can be made.
+
+    Raises:
+        SpaceRobotError: a part refuses its input; the message names the key.
+    """
+    # Fixed positions: adding randomness to one part never changes another's draws.
+    seeds = tuple(np.random.SeedSequence(experiment.seed).spawn(4))
+    disorder = experiment.plant.dispersion
+    if disorder is not None and disorder.inconsistent == "keep":
+        raise SpecError(
+            "the real robot is physically possible",
+            key="plant.dispersion.inconsistent",
+            value="keep",
+            accepted="reject",
+        )
+    robot = load_robot(experiment.robot)
+    nominal = _variant(robot, _believed(experiment), seeds[0], "nominal")
+    truth = _variant(robot, experiment.plant, seeds[1], "plant")
+    q0, v0 = _initial(experiment.initial, robot)
+    kind, spec = PLANTS[experiment.plant.kind], experiment.plant
+    kind.check(spec, truth, experiment.period)
+    changes = kind.changes(spec, truth, experiment.control_period)
+    reference = make_reference(experiment.reference, nominal, q0)
+    composition = Composition(experiment, nominal, truth, changes, reference, seeds, q0, v0)
+    flying = nominal.base_mode == "free_flying"
+    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
+    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
+    _check_recorded(experiment)
+    composition.controller()
+    return composition
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that can change the bits of a run."""
+    found: dict[str, str] = {"python": platform.python_version()}
+    for name in VERSIONED:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "absent"
+    return found
+
+
+def _check_recorded(experiment: Experiment) -> None:
+    """A recorded reference has a row for every tick up to its last; a gap would end the flight."""
+    spec = experiment.reference
+    if spec.kind != "recorded":
+        return
+    known, end = set(spec.stamps), min(spec.stamps[-1], experiment.steps * experiment.period)
+    missing = next((stamp for stamp in range(0, end + 1, experiment.period) if stamp not in known), None)
+    if missing is not None:
+        accepted = "one at every multiple of control_period up to the last"
+        raise SpecError(f"none at {missing} ns", key="reference.stamps", value=list(spec.stamps[:3]), accepted=accepted)
+
+
+def _believed(experiment: Experiment) -> ModelSpec:
+    """What ``nominal`` says, with its payload where it says a fraction of the real one."""
+    nominal, real = experiment.nominal, experiment.plant.payload
+    if nominal.payload_known is None:
+        return nominal
+    if real is None:
+        accepted = "a plant.payload to know of"
+        raise SpecError(
+            "there is no payload", key="nominal.payload_known", value=nominal.payload_known, accepted=accepted
+        )
+    payload = known_part(real, nominal.payload_known) if nominal.payload_known else None
+    return nominal.model_copy(update={"payload": payload})
+
+
+def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: str) -> Robot:
+    if spec.dispersion is not None:
+        robot = disperse(robot, spec.dispersion, np.random.default_rng(seed))
+    if spec.payload is not None:
+        robot = attach_payload(robot, spec.payload)
+    return robot
+
+
+def _initial(spec: Initial, robot: Robot) -> tuple[Vector, Vector]:
+    joints = robot.home
+    if spec.joints_deg is not None:
+        joints = np.radians(
+            expand(spec.joints_deg, robot.joint_names, "initial.joints_deg", np.degrees(joints).tolist())
+        )
+        check_limits(joints, joints, robot, "initial.joints_deg", in_degrees=True)
+    elif spec.joints is not None:
+        joints = expand(spec.joints, robot.joint_names, "initial.joints", joints.tolist())
+        check_limits(joints, joints, robot, "initial.joints")
+    quaternion = from_rpy([radians(angle) for angle in spec.attitude_deg])
+    q0 = np.concatenate([np.array(spec.position), quaternion, joints])
+    v0 = np.concatenate([np.array(spec.linear_velocity), np.array(spec.angular_velocity), np.zeros(robot.n)])
+    return q0, v0

@@ -1,0 +1,56 @@
+"""The experiment as parameters: what each node shows of it, and what it was given at the start in its place."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_description.fields import parameter_rows
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.parameters import ParameterRow
+
+# What a node calls shorter than the experiment does.
+CONTROLLER = ("law", "gains", "standby", "switches", "handover")
+
+
+def rows_of(role: str, composition: Composition) -> list[ParameterRow]:
+    """The part of the resolved experiment that concerns a node, all of it read-only.
+
+    Gains are the law's own: they are declared when it is there.
+    """
+    experiment = composition.experiment
+    rows = [ParameterRow("robot", composition.nominal.name, "name of the robot"), *_plain(experiment)]
+    if role == "controller":
+        rows += [row for row in parameter_rows(experiment.controller) if not row.name.startswith(("gains", "standby"))]
+        rows += parameter_rows(experiment.nominal, "nominal.")
+    elif role == "guidance":
+        rows += parameter_rows(experiment.reference, "reference.")
+    elif role == "simulator":
+        rows += [*parameter_rows(experiment.initial, "initial."), *parameter_rows(experiment.plant, "plant.")]
+    return rows
+
+
+def overrides_from(given: Mapping[str, Any]) -> list[str]:
+    """Parameters given at the start as ``--set`` takes them: ``law`` and ``gains.kappa`` are the controller's.
+
+    Args:
+        given: name to plain value; a text may be YAML, as on the command line.
+
+    Raises:
+        SpecError: a parameter without a value.
+    """
+    assignments = []
+    for name, value in given.items():
+        if value is None:
+            raise SpecError("has no value", key=name)
+        key = f"controller.{name}" if name.partition(".")[0] in CONTROLLER else name
+        assignments.append(f"{key}={value if isinstance(value, str) else json.dumps(value)}")
+    return assignments
+
+
+def _plain(experiment: Experiment) -> list[ParameterRow]:
+    wanted = ("title", "control_period", "duration", "seed")
+    return [row for row in parameter_rows(experiment.model_copy(update={"robot": ""})) if row.name in wanted]

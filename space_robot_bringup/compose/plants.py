@@ -1,0 +1,135 @@
+"""From the plant section of an experiment to a plant: one maker and one check per kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from space_robot_bringup.experiment.plant import AirbearingPlant, CapturedPlant, PlantSpec, PlantTiming
+from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
+from space_robot_description.payload import attach_payload
+from space_robot_description.robot import Robot
+from space_robot_description.spec import expand
+from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
+from space_robot_sim.grasp.airbearing import AirbearingTestbed
+from space_robot_sim.grasp.captured import CapturedDebris, capability
+from space_robot_sim.grasp.plant import grasp_joints, whole_steps
+from space_robot_sim.initial import InitialState
+from space_robot_sim.sensors import Sensors
+from space_robot_sim.spec import fixed_steps, method
+
+Changes = tuple[tuple[int, Robot], ...]
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PlantParts:
+    """What a plant is made from besides its section of the experiment.
+
+    Attributes:
+        truth: the robot that flies, as it starts.
+        period: control period [ns].
+        initial: where it starts.
+        seed: of everything random in the plant.
+        changes: (stamp [ns], robot that flies from then on), in order.
+    """
+
+    truth: Robot
+    period: int
+    initial: InitialState
+    seed: int
+    changes: Changes
+
+
+@dataclass(frozen=True, slots=True)
+class PlantKind:
+    """How plants of a kind are made.
+
+    Attributes:
+        make: (spec, parts) to a new plant.
+        check: (spec, true robot, control period [ns]): what ``make`` would refuse, without waiting for a compiler.
+        changes: (spec, true robot, control period [s]): when another robot flies on.
+    """
+
+    make: Callable[[Any, PlantParts], Plant]
+    check: Callable[[Any, Robot, int], None]
+    changes: Callable[[Any, Robot, float], Changes]
+
+
+def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
+    # Only here: whoever needs no plant need not wait for its compiler.
+    from space_robot_sim.plant import SimulatedRobot
+
+    return SimulatedRobot(
+        parts.truth,
+        control_period=parts.period,
+        initial=parts.initial,
+        integrator=spec.integrator,
+        sensors=spec.sensors,
+        seed=parts.seed,
+        delay_periods=spec.delay_periods,
+        hold=spec.hold,
+        changes=parts.changes,
+    )
+
+
+def _captures(spec: PlantSpec, truth: Robot, control_period: float) -> Changes:
+    if spec.capture is None:
+        return ()
+    steps = steps_of(spec.capture.time, control_period, "plant.capture.time")
+    period = to_nanoseconds(control_period, "control_period")
+    return ((steps * period, attach_payload(truth, spec.capture.payload)),)
+
+
+def _check_articulated(spec: PlantSpec, truth: Robot, period: int) -> None:
+    motors = truth.actuators.joints
+    roughness = [expand(part, truth.joint_names, "joints") for part in (motors.lag, motors.viscous, motors.coulomb)]
+    kind = method(spec.integrator, rough=bool(np.any(roughness)))
+    if kind != "dop853_adaptive":
+        fixed_steps(spec.integrator, kind, period)
+    Sensors(spec.sensors, truth.n, period, seed=0)
+
+
+def _airbearing(spec: AirbearingPlant, parts: PlantParts) -> Plant:
+    return AirbearingTestbed(parts.truth, spec, **_timing(spec, parts))
+
+
+def _pccs(spec: CapturedPlant, parts: PlantParts) -> Plant:
+    return CapturedDebris(parts.truth, spec, **_timing(spec, parts))
+
+
+def _timing(spec: PlantTiming, parts: PlantParts) -> dict[str, Any]:
+    return {
+        "control_period": parts.period,
+        "initial": parts.initial,
+        "seed": parts.seed,
+        "delay_periods": spec.delay_periods,
+        "hold": spec.hold,
+    }
+
+
+def _no_changes(spec: PlantTiming, truth: Robot, control_period: float) -> Changes:
+    del spec, truth, control_period
+    return ()
+
+
+def _check_airbearing(spec: AirbearingPlant, truth: Robot, period: int) -> None:
+    grasp_joints(truth, spec.grasp)
+    whole_steps(period, spec.step, "control_period")
+    whole_steps(round(spec.camera.delay * NANOSECONDS), spec.step, "plant.camera.delay")
+
+
+def _check_pccs(spec: CapturedPlant, truth: Robot, period: int) -> None:
+    grasp_joints(truth, spec.grasp)
+    capability(truth, spec)
+    whole_steps(period, spec.step, "control_period")
+    Sensors(spec.sensors, truth.n, period, seed=0)
+
+
+PLANTS = {
+    "articulated": PlantKind(_articulated, _check_articulated, _captures),
+    "airbearing": PlantKind(_airbearing, _check_airbearing, _no_changes),
+    "pccs": PlantKind(_pccs, _check_pccs, _no_changes),
+}

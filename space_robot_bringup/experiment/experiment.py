@@ -1,0 +1,210 @@
+"""The experiment file: one YAML, typed, resolved once, the single source of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from copy import deepcopy
+from io import StringIO
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
+from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedSeq
+from ruamel.yaml.scalarstring import LiteralScalarString
+
+from space_robot_bringup.experiment.controller import ControllerSpec, check_controller
+from space_robot_bringup.experiment.dotted_keys import LAW_KEY, set_key
+from space_robot_bringup.experiment.plant import AnyPlant, ModelSpec, PlantSpec
+from space_robot_bringup.experiment.recorded_reference import with_recorded_log
+from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
+from space_robot_control.references.spec import ReferenceSpec
+from space_robot_description.share import is_file, shipped_or_file
+from space_robot_description.spec import PerJoint, Strict, Three
+from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
+from space_robot_msgs_py.errors import SpecError
+
+
+class Initial(Strict):
+    """Where and how the robot starts; what is not said is zero, joints start at the robot's home."""
+
+    position: Three = Field(default=(0.0, 0.0, 0.0), description="base origin in the inertial frame [m]")
+    attitude_deg: Three = Field(default=(0.0, 0.0, 0.0), description="roll, pitch, yaw (R = Rz Ry Rx) [deg]")
+    joints_deg: PerJoint | None = Field(
+        default=None, description="one number, a list, or a mapping by joint name [deg]"
+    )
+    joints: PerJoint | None = Field(default=None, description="the same in [rad] or [m]")
+    linear_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="of the base, body frame [m/s]")
+    angular_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="of the base, body frame [rad/s]")
+
+    @model_validator(mode="after")
+    def _said_once(self) -> Self:
+        if self.joints is not None and self.joints_deg is not None:
+            raise ValueError("say joints or joints_deg, not both")
+        return self
+
+
+class NominalSpec(ModelSpec):
+    """What the flight software believes."""
+
+    payload_known: Annotated[float, Field(ge=0.0, le=1.0)] | None = Field(
+        default=None, description="instead of payload: this fraction of the real payload's mass and inertia [-]"
+    )
+
+    @model_validator(mode="after")
+    def _one_payload(self) -> Self:
+        if self.payload is not None and self.payload_known is not None:
+            raise ValueError("say payload or payload_known, not both")
+        return self
+
+
+class Expectation(Strict):
+    """What a metric should be; at least one bound."""
+
+    value: float | None = Field(default=None, description="expected value, in the metric's unit")
+    tolerance: NonNegativeFloat = Field(default=0.0, description="allowed distance from the value")
+    min: float | None = None
+    max: float | None = None
+
+    @model_validator(mode="after")
+    def _can_hold(self) -> Self:
+        if self.value is None and self.min is None and self.max is None:
+            raise ValueError("say value, min or max")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise ValueError("min must not be above max")
+        return self
+
+
+class Experiment(Strict):
+    """One run of one robot under one law: everything that decides its bits.
+
+    ``robot`` is the name of a shipped robot, the path of a robot file (relative to this file), or, in a resolved
+    experiment, the robot file's content.
+    """
+
+    title: str = Field(default="", description="what this is, in one line")
+    source: str = Field(default="", description="paper and figure this reproduces")
+    robot: str | dict[str, Any]
+    control_period: PositiveFloat = Field(description="[s]")
+    duration: PositiveFloat = Field(description="[s], a multiple of the control period")
+    seed: NonNegativeInt = Field(default=0, description="of noise and dispersion")
+    initial: Initial = Field(default_factory=Initial)
+    reference: ReferenceSpec
+    controller: ControllerSpec = Field(default_factory=ControllerSpec)
+    plant: AnyPlant = Field(default_factory=PlantSpec)
+    nominal: NominalSpec = Field(default_factory=NominalSpec, description="what the flight software believes")
+    settling_bands: dict[str, PositiveFloat] = Field(
+        default_factory=dict, description="axis -> half width [deg or m] in place of 2 % of its travel"
+    )
+    expect: dict[str, Expectation] = Field(default_factory=dict, description="metric name -> bound; the verdict")
+
+    @property
+    def period(self) -> int:
+        """Control period [ns]."""
+        return to_nanoseconds(self.control_period, "control_period")
+
+    @property
+    def steps(self) -> int:
+        """Number of control periods."""
+        return steps_of(self.duration, self.control_period)
+
+
+def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experiment:
+    """Read, override and check an experiment.
+
+    Args:
+        name_or_path: a shipped name such as ``liu2023/fig08``, or the path of a YAML file.
+        overrides: ``dotted.key=value`` with the value in YAML.
+
+    Raises:
+        InputFileError: there is no such file or shipped experiment.
+        SpecError: a key or value cannot be used.
+    """
+    return overridden(parse_yaml(experiment_path(name_or_path)), name_or_path, overrides)
+
+
+def overridden(content: Mapping[str, Any], name_or_path: str, overrides: Iterable[str]) -> Experiment:
+    """The experiment of a file that has been read: see ``load_experiment``, of which this is the second half.
+
+    Args:
+        content: of the file; it is not changed.
+        name_or_path: of the file.
+        overrides: ``dotted.key=value`` with the value in YAML.
+    """
+    path = experiment_path(name_or_path)
+    return experiment_from(located(with_overrides(content, overrides), path.parent), str(name_or_path))
+
+
+def with_overrides(content: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
+    """A copy of the mapping with every ``dotted.key=value`` set."""
+    data = deepcopy(dict(content))
+    # The law first: gains given beside it are meant for it, those of the file's own law are not.
+    for override in sorted(overrides, key=lambda text: not text.startswith(f"{LAW_KEY}=")):
+        apply_override(data, override)
+    return data
+
+
+def located(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The mapping with what stands beside its file found: the robot file's path, the numbers of a recorded log."""
+    found = dict(data)
+    robot, reference = found.get("robot"), found.get("reference")
+    if isinstance(robot, str) and is_file(folder / robot):
+        found["robot"] = str(folder / robot)
+    if isinstance(reference, dict):
+        found["reference"] = with_recorded_log(reference, folder)
+    return found
+
+
+def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
+    """Check a mapping as an experiment; the time base is checked too."""
+    experiment = validate(Experiment, dict(data), where)
+    _ = experiment.steps
+    check_controller(experiment.controller, experiment.control_period)
+    return experiment
+
+
+def experiment_path(name_or_path: str) -> Path:
+    """The file of a shipped experiment, or the given path."""
+    message = "no such experiment file or shipped experiment"
+    return shipped_or_file(name_or_path, "experiments", key="experiment", message=message)
+
+
+def apply_override(data: dict[str, Any], override: str) -> None:
+    """Set one ``dotted.key=value`` in a mapping, see ``set_key``."""
+    key, equals, text = override.partition("=")
+    if not equals or not key.strip():
+        raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
+    set_key(data, key.strip(), parse_yaml_value(text, f"--set {key}"), f"--set {key}")
+
+
+def to_yaml(experiment: Experiment) -> str:
+    """The resolved experiment as YAML text with every default written out; equal experiments give equal text."""
+    return dump_yaml(experiment.model_dump(mode="json"))
+
+
+def dump_yaml(data: Mapping[str, Any]) -> str:
+    """Plain data as YAML text for people: a number's list on one line, a text of many lines as a block."""
+    yaml = YAML(pure=True)
+    yaml.width = 120
+    out = StringIO()
+    yaml.dump(_readable(dict(data)), out)
+    return out.getvalue()
+
+
+def _readable(value: Any) -> Any:
+    """Texts of many lines (the URDF) as blocks, lists of numbers on one line."""
+    if isinstance(value, dict):
+        return {key: _readable(item) for key, item in value.items()}
+    if isinstance(value, list):
+        items = CommentedSeq(_readable(item) for item in value)
+        if not any(isinstance(item, dict) for item in value):
+            items.fa.set_flow_style()
+        return items
+    return LiteralScalarString(value) if isinstance(value, str) and "\n" in value else value
+
+
+def with_duration(experiment: Experiment, duration: float | None) -> Experiment:
+    """The experiment with another duration [s]; None leaves it."""
+    if duration is None:
+        return experiment
+    return experiment_from(experiment.model_dump() | {"duration": duration}, "--duration")

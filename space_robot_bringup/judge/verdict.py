@@ -1,0 +1,85 @@
+"""Did the run do what it should: bounds that hold for every run, and those the experiment states."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from space_robot_bringup.experiment.experiment import Expectation
+from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_description.validation import nearest
+from space_robot_msgs_py.errors import SpecError
+
+# A plant that loses more than this is wrong, whatever the controller does.
+PLANT_BOUNDS = {"momentum_residual": 1e-8, "energy_residual": 1e-7, "quaternion_residual": 1e-8}
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One bound and what was measured.
+
+    Attributes:
+        name: metric, e.g. ``base/roll.settling_time``.
+        measured: None where the run has no such number (never settled).
+        wanted: the bound in words.
+        passed: it holds.
+    """
+
+    name: str
+    measured: float | None
+    wanted: str
+    passed: bool
+
+
+def check_expectations(expect: Mapping[str, Expectation], names: Sequence[str]) -> None:
+    """Refuse bounds on metrics there will not be, before anything is flown.
+
+    Args:
+        expect: the experiment's.
+        names: see ``metrics.metric_names``.
+
+    Raises:
+        SpecError: with the nearest names.
+    """
+    _check_known(expect, names, "metric", "expect")
+
+
+def check_bands(bands: Mapping[str, float], axes: Sequence[str]) -> None:
+    """Refuse settling bands of axes the robot does not have.
+
+    Raises:
+        SpecError: with the nearest names.
+    """
+    _check_known(bands, axes, "axis", "settling_bands")
+
+
+def _check_known(given: Iterable[str], names: Sequence[str], what: str, section: str) -> None:
+    for name in given:
+        if name not in names:
+            accepted = nearest(name, names) or ", ".join(names)
+            raise SpecError(f"no such {what}", key=f"{section}.{name}", accepted=accepted)
+
+
+def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: str | None) -> tuple[Check, ...]:
+    """All checks of a run; see ``check_expectations`` for what ``expect`` may name."""
+    numbers = metrics.flat()
+    checks = [Check("completed", None, f"the run ends by itself (ended: {end_reason})", end_reason == "completed")]
+    for name, bound in PLANT_BOUNDS.items():
+        value = numbers[name]
+        checks.append(Check(name, value, f"<= {bound:g}", value is not None and value <= bound))
+    for name, expectation in expect.items():
+        checks += check_bounds(name, numbers[name], expectation)
+    return tuple(checks)
+
+
+def check_bounds(name: str, value: float | None, wanted: Expectation) -> list[Check]:
+    """One check per bound an expectation states; a number that is not there keeps none."""
+    checks = []
+    if wanted.value is not None:
+        close = value is not None and abs(value - wanted.value) <= wanted.tolerance
+        checks.append(Check(name, value, f"{wanted.value:g} +- {wanted.tolerance:g}", close))
+    if wanted.min is not None:
+        checks.append(Check(name, value, f">= {wanted.min:g}", value is not None and value >= wanted.min))
+    if wanted.max is not None:
+        checks.append(Check(name, value, f"<= {wanted.max:g}", value is not None and value <= wanted.max))
+    return checks

@@ -1,0 +1,169 @@
+"""The graph mode: all nodes in one private context and one executor."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import redirect_stderr
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.experimental import EventsExecutor
+
+from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.compose.parameters import rows_of
+from space_robot_bringup.modes.context import private_context
+from space_robot_bringup.modes.hooks import ROLES, Hooks
+from space_robot_control.nodes.controller import ControllerNode
+from space_robot_control.nodes.guidance import GuidanceNode
+from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.log.writer import LogWriter
+from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.nodes.managed import bring_up
+from space_robot_sim.nodes.recorder import RecorderNode
+from space_robot_sim.nodes.simulator import SimulatorNode
+
+# A finite timeout: without one this executor neither fires timers nor sleeps.
+SPIN_TIMEOUT = 0.05
+DRAIN_SECONDS = 5.0
+QUIET_SECONDS = 0.2
+# No parameter services and no /rosout on nodes that live for one run: half the start-up, no background traffic.
+LIGHT = {"start_parameter_services": False, "enable_rosout": False}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Graph:
+    """The nodes of one run."""
+
+    recorder: RecorderNode
+    guidance: GuidanceNode
+    controller: ControllerNode
+    simulator: SimulatorNode
+
+    @property
+    def nodes(self) -> tuple[GraphNode, ...]:
+        """In the order they came to be: who listens first, who speaks last."""
+        return self.recorder, self.guidance, self.controller, self.simulator
+
+
+def make_node(
+    role: str, composition: Composition, directory: Path, *, realtime: float | None, mode: str, **options: Any
+) -> GraphNode:
+    """One node of the graph by its role, to be brought up: recorder, guidance, controller or simulator."""
+    experiment, names = composition.experiment, composition.joint_names
+    options |= {"rows": [*options.pop("rows", ()), *rows_of(role, composition)]}
+    if role in MANAGED:
+        options["steered"] = mode != "graph"
+    timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
+    if role == "recorder":
+        return RecorderNode(
+            _writers(composition, directory, mode), names, lossless=realtime is None, **timing, **options
+        )
+    if role == "guidance":
+        return GuidanceNode(composition.reference(), names, **timing, **options)
+    if role == "controller":
+        return ControllerNode(composition.controller, names, **options)
+    return SimulatorNode(
+        composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
+    )
+
+
+def _writers(composition: Composition, directory: Path, mode: str) -> Callable[[int], LogWriter]:
+    def open_writer(index: int) -> LogWriter:
+        place = directory if index == 0 else directory.with_name(f"{directory.name}_reset{index}")
+        return LogWriter(place, composition.header, custom={"mode": mode})
+
+    return open_writer
+
+
+MANAGED = ("controller", "simulator")
+
+
+def make_graph(composition: Composition, directory: Path, *, context: Context, realtime: float | None = None) -> Graph:
+    """All nodes of a run in one context, brought up and ready to spin."""
+    made: dict[str, Any] = {
+        role: make_node(role, composition, directory, realtime=realtime, mode="graph", context=context, **LIGHT)
+        for role in ROLES
+    }
+    bring_up(made.values())
+    return Graph(**made)
+
+
+def fly_graph(composition: Composition, directory: Path, *, realtime: float | None, hooks: Hooks) -> str:
+    """Fly one run in graph mode and return the reason of its end."""
+    with private_context() as context:
+        graph = make_graph(composition, directory, context=context, realtime=realtime)
+        try:
+            return spin_graph(graph, context, hooks)
+        finally:
+            # Whatever happened above, what was recorded is closed and readable.
+            graph.recorder.finish(graph.simulator.end_reason or "failed")
+            for node in graph.nodes:
+                node.destroy_node()
+
+
+def spin_graph(graph: Graph, context: Context, hooks: Hooks) -> str:
+    """Spin until the run ends by itself or ``hooks.stop`` ends it; everything in flight is recorded first."""
+    executor = make_executor(context)
+    for node in graph.nodes:
+        executor.add_node(node)
+
+    def stopped() -> bool:
+        reason = hooks.stop()
+        if reason is not None:
+            graph.simulator.end(reason)
+        return reason is not None
+
+    def on_tick(tick: int) -> None:
+        # The executor looks at its timeout only when it has nothing to do, which in a fast run is never.
+        hooks.on_tick(tick)
+        stopped()
+
+    graph.simulator.on_tick = on_tick
+    while graph.recorder.end_reason is None:
+        spin(executor, graph.recorder)
+        if stopped():
+            break
+    reason = graph.simulator.end_reason or graph.recorder.end_reason or "failed"
+    drain(executor, graph.recorder, reason)
+    for node in graph.nodes:
+        raise_bug(node)
+    return reason
+
+
+def raise_bug(node: GraphNode) -> None:
+    """What stopped a node on purpose is in the reason of the end; anything else is a bug and keeps its traceback."""
+    if node.failure is not None and not isinstance(node.failure, SpaceRobotError):
+        raise node.failure
+
+
+def make_executor(context: Context) -> EventsExecutor:
+    """The executor all modes use; the single-threaded one is four times slower."""
+    # It enables faulthandler, which wants a stderr that is a file; in a notebook or under capture it is none.
+    with redirect_stderr(sys.__stderr__ or sys.stderr):
+        return EventsExecutor(context=context)
+
+
+def spin(executor: Any, node: GraphNode) -> None:
+    """Spin until the node hears the end of the run, at most ``SPIN_TIMEOUT``.
+
+    The executor's own loop: stepping it from Python costs a third of the ticks per second.
+    """
+    executor.spin_until_future_complete(node.over, timeout_sec=SPIN_TIMEOUT)
+
+
+def drain(executor: Any, recorder: RecorderNode, reason: str) -> None:
+    """Let the recorder hear what is still under way, then close its log."""
+    heard, quiet_since = recorder.heard, monotonic()
+    deadline = quiet_since + DRAIN_SECONDS
+    while not recorder.complete and monotonic() < deadline:
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT)
+        if recorder.heard != heard:
+            heard, quiet_since = recorder.heard, monotonic()
+        elif (reason != "completed" or not recorder.lossless) and monotonic() - quiet_since > QUIET_SECONDS:
+            break
+    recorder.finish(reason)
+    executor.shutdown()

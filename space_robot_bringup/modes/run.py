@@ -1,0 +1,131 @@
+"""One run in any mode: objects together, log in a directory, verdict out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.judge.metrics import RunMetrics, measure
+from space_robot_bringup.judge.verdict import Check, judge
+from space_robot_bringup.modes import headless
+from space_robot_bringup.modes.hooks import Hooks, Stopwatch
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Tick
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink
+
+Mode = Literal["headless", "graph", "processes"]
+
+
+@dataclass(frozen=True, slots=True)
+class RunResult:
+    """What a run left behind.
+
+    Attributes:
+        directory: the bag.
+        end_reason: ``completed``, ``interrupted``, ``terminated`` or an error.
+        metrics: None where no tick was completed.
+        checks: the verdict, bound by bound.
+        wall_time: [s] from the first tick to the last; set-up is not counted.
+    """
+
+    directory: Path
+    end_reason: str
+    metrics: RunMetrics | None
+    checks: tuple[Check, ...]
+    wall_time: float
+
+    @property
+    def passed(self) -> bool:
+        """Every bound holds."""
+        return bool(self.checks) and all(check.passed for check in self.checks)
+
+
+def run_experiment(
+    experiment: Experiment, directory: Path, *, mode: Mode, realtime: float | None = None, hooks: Hooks | None = None
+) -> RunResult:
+    """Fly an experiment, log it and judge it from the log.
+
+    Args:
+        experiment: what to fly.
+        directory: where the bag goes.
+        mode: how the objects are put together; it changes no bit of the log.
+        realtime: simulated seconds per second; None: as fast as it goes. Not for headless.
+        hooks: progress and early end.
+
+    Raises:
+        SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was flown.
+    """
+    if mode == "headless" and realtime is not None:
+        raise SpecError("has no wall clock", key="--realtime", value=realtime, accepted="--mode graph or processes")
+    return run_composition(compose(experiment), directory, mode=mode, realtime=realtime, hooks=hooks)
+
+
+def run_composition(
+    composition: Composition, directory: Path, *, mode: Mode, realtime: float | None = None, hooks: Hooks | None = None
+) -> RunResult:
+    """Fly what an experiment was composed to; everything else as ``run_experiment``."""
+    hooks = hooks or Hooks()
+    for warning in composition.review().warnings:
+        hooks.warn(warning)
+    stopwatch = Stopwatch(hooks)
+    reason = _fly(composition, directory, mode, realtime, stopwatch.hooks)
+    return judge_log(directory, composition, reason, stopwatch.seconds)
+
+
+def judge_log(directory: Path, composition: Composition, reason: str, wall_time: float) -> RunResult:
+    """The result of a run, read back from its log."""
+    # Resolved as the writer did: `a/../b` is a place even where there is no `a`.
+    ticks = list(LogReader(directory.resolve()).ticks())
+    metrics, checks = judge_ticks(ticks, composition, reason)
+    return RunResult(directory, reason, metrics, checks, wall_time)
+
+
+def judge_ticks(
+    ticks: Sequence[Tick], composition: Composition, reason: str
+) -> tuple[RunMetrics | None, tuple[Check, ...]]:
+    """Metrics and verdict of a run; None and nothing where no tick was completed."""
+    if not ticks:
+        return None, ()
+    flying = composition.nominal.base_mode == "free_flying"
+    metrics = measure(
+        ticks,
+        composition.joint_names,
+        base_translation=flying,
+        prismatic=composition.nominal.prismatic,
+        bands=composition.experiment.settling_bands,
+    )
+    return metrics, judge(metrics, composition.experiment.expect, reason)
+
+
+def _fly(composition: Composition, directory: Path, mode: Mode, realtime: float | None, hooks: Hooks) -> str:
+    if mode == "headless":
+        # The log last: what cannot be made leaves none behind.
+        plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
+        sink = LogSink(directory, composition.header, custom={"mode": mode})
+        return headless.run(
+            plant,
+            controller,
+            reference,
+            steps=composition.experiment.steps,
+            sink=sink,
+            on_tick=hooks.on_tick,
+            stop=hooks.stop,
+        )
+    try:
+        # Only here: everything else works on a machine without ROS.
+        from space_robot_bringup.modes.graph import fly_graph
+        from space_robot_bringup.modes.processes import fly_processes
+    except ImportError as error:
+        raise SpecError(
+            f"needs ROS 2 Jazzy ({error})",
+            key="--mode",
+            value=mode,
+            accepted="headless, or install space-robot[ros], or source a Jazzy",
+        ) from None
+    fly = fly_graph if mode == "graph" else fly_processes
+    return fly(composition, directory, realtime=realtime, hooks=hooks)

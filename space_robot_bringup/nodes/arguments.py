@@ -1,0 +1,84 @@
+"""How a node of an experiment is started: from its command line and from ROS parameters, as one checked value."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pydantic import Field, NonNegativeFloat
+
+from space_robot_bringup.compose.parameters import overrides_from
+from space_robot_bringup.modes.hooks import ROLES
+from space_robot_description.spec import Strict
+from space_robot_description.validation import validate
+
+EPILOG = """\
+The same as ROS parameters, also from a file (--ros-args --params-file FILE): experiment, out, set, record, realtime,
+autostart, law, gains.<name> and every other key of the experiment, for instance
+
+  --ros-args -p law:=my_package.my_module:MyLaw -p gains.bandwidth:=0.4 -p duration:=20.0
+
+`ros2 param list`, `describe` and `get` show all of a running node with units and ranges.
+"""
+
+
+class Start(Strict):
+    """What a node is started with."""
+
+    experiment: str = Field(default="liu2023/fig08", description="shipped name or YAML file")
+    out: str = Field(default="run", description="run directory, the recorder writes to it")
+    set: tuple[str, ...] = Field(default=(), description="overrides key=value, the same at every node")
+    record: bool = Field(default=True, description="a recorder takes part, and the simulator waits for it")
+    realtime: NonNegativeFloat = Field(default=0.0, description="simulated seconds per second; 0: lock-step")
+    autostart: bool = Field(
+        default=True, description="simulator and controller: configure and activate at once, or wait for ~/change_state"
+    )
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line of a node."""
+    made = argparse.ArgumentParser(
+        prog="space_robot_bringup.nodes.process",
+        description="One node of an experiment as one process.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    fields, nothing = Start.model_fields, argparse.SUPPRESS
+    made.add_argument("role", choices=ROLES)
+    default = f"; default {fields['experiment'].default}"
+    made.add_argument("--experiment", default=nothing, help=f"{fields['experiment'].description}{default}")
+    made.add_argument("--out", default=nothing, help=fields["out"].description)
+    made.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="override one key; the same for every role"
+    )
+    made.add_argument(
+        "--no-record", dest="record", action="store_false", default=nothing, help="no recorder takes part: await none"
+    )
+    made.add_argument("--realtime", type=float, default=nothing, help=fields["realtime"].description)
+    made.add_argument("--progress", action="store_true", help="print the tick that was reached, now and then")
+    return made
+
+
+def start_from(options: Mapping[str, Any], given: Mapping[str, Any]) -> Start:
+    """Both sources together; the command line counts more.
+
+    Args:
+        options: of the command line, those that were given.
+        given: ROS parameters, see ``given_at_start``.
+
+    Raises:
+        SpecError: a value is of the wrong kind.
+    """
+    own = {name: value for name, value in given.items() if name in Start.model_fields}
+    rest = {name: value for name, value in given.items() if name not in own}
+    own |= {name: value for name, value in options.items() if name in Start.model_fields and name != "set"}
+    # What is no start option is a key of the experiment, which refuses what it does not know.
+    overrides = [*overrides_from(rest), *validate(Start, own, "parameter").set, *options["set"]]
+    return validate(Start, own | {"set": overrides}, "parameter")
+
+
+def split_ros_arguments(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Ours, and those from ``--ros-args`` on, which rclpy reads."""
+    split = arguments.index("--ros-args") if "--ros-args" in arguments else len(arguments)
+    return list(arguments[:split]), list(arguments[split:])

@@ -1,0 +1,76 @@
+"""The command ``replay``: one bag or many, judged one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from space_robot_bringup.modes.compilation import notice
+from space_robot_bringup.replay.comparison import EXACT, Tolerance
+from space_robot_bringup.replay.controller import replay_controller
+from space_robot_bringup.replay.plant import replay_plant
+from space_robot_bringup.replay.recording import Recording, open_recording
+from space_robot_bringup.replay.result import Outcome
+from space_robot_msgs_py.errors import SpecError
+
+SIDES = {"controller": (replay_controller,), "plant": (replay_plant,), "both": (replay_controller, replay_plant)}
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What to replay and how.
+
+    Attributes:
+        against: ``controller``, ``plant`` or ``both``.
+        tolerance: what counts as equal.
+        overrides: ``dotted.key=value`` of the recorded experiment.
+        experiment: for bags without one.
+        namespace: of the topics in a bag of another tool.
+    """
+
+    against: str = "both"
+    tolerance: Tolerance = EXACT
+    overrides: Sequence[str] = ()
+    experiment: str | None = None
+    namespace: str = ""
+
+    def __post_init__(self) -> None:
+        if self.against not in SIDES:
+            raise SpecError("no such side", key="--against", value=self.against, accepted=", ".join(SIDES))
+
+
+@dataclass(frozen=True, slots=True)
+class Replayed:
+    """A bag and what came out of it.
+
+    Attributes:
+        recording: the bag.
+        outcomes: one for each side.
+    """
+
+    recording: Recording
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def equal(self) -> bool:
+        """Nothing is different on any side."""
+        return all(outcome.equal for outcome in self.outcomes)
+
+
+def replay(bag: Path, order: Order, say: Callable[[str], None] = lambda line: None) -> Replayed:
+    """Compute one recorded run again.
+
+    Args:
+        bag: of any tool.
+        order: what to do with it.
+        say: told what has to be compiled first, which takes a while.
+
+    Raises:
+        SpaceRobotError: the bag or the order cannot be used.
+    """
+    recording = open_recording(bag, experiment=order.experiment, overrides=order.overrides, namespace=order.namespace)
+    spec = recording.composition.experiment.controller
+    if line := notice(spec.law_names, plant=order.against != "controller"):
+        say(line)
+    return Replayed(recording, tuple(side(recording, order.tolerance) for side in SIDES[order.against]))

@@ -1,0 +1,69 @@
+"""``space-robot campaign``: what happens between the command line and the library."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+from rich.console import Console
+
+from space_robot_bringup.modes.compilation import notice
+from space_robot_bringup.modes.signals import StopFlag
+from space_robot_cli.progress import Progress
+from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.campaign.campaign import CampaignHooks, CampaignResult, run_campaign
+from space_robot_studies.campaign.cases import make_case
+from space_robot_studies.campaign.run_case import Keep
+from space_robot_studies.campaign.spec import Campaign
+
+MOST_WORKERS = 1024
+
+
+def fly(
+    campaign: Campaign,
+    directory: Path,
+    *,
+    workers: int | None,
+    scheduler: str | None,
+    resume: bool,
+    keep: Keep,
+    console: Console,
+    quiet: bool,
+    warn: Callable[[str], None],
+) -> CampaignResult:
+    """Fly a campaign with a progress bar; SIGINT and SIGTERM end it cleanly.
+
+    Args:
+        campaign: resolved.
+        directory: where its rows go.
+        workers: local ones; None: as many as there are cores.
+        scheduler: address, instead of local workers.
+        resume: go on with the directory.
+        keep: whose bags to keep.
+        console: for progress.
+        quiet: no progress.
+        warn: told what the law warns of.
+
+    Raises:
+        SpaceRobotError: it cannot be flown; nothing was written.
+    """
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise SpecError("not a number of workers", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
+    if workers is not None and scheduler is not None:
+        raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
+    laws = [make_case(campaign, index).data["controller"]["law"] for index in range(campaign.points)]
+    if not quiet and (line := notice(laws, plant=scheduler is None)):
+        console.print(line)
+    cases = campaign.cases
+    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(console, cases, quiet=quiet, unit="run") as progress:
+        return run_campaign(
+            campaign,
+            directory,
+            workers=workers or len(os.sched_getaffinity(0)),
+            scheduler=scheduler,
+            resume=resume,
+            keep=keep,
+            hooks=CampaignHooks(progress.begin, progress.reach, lambda: stop.reason, warn),
+        )

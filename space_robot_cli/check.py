@@ -1,0 +1,102 @@
+"""What ``space-robot check`` says of a file before anything is flown: an experiment, a campaign or a paper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+from space_robot_bringup.modes.compilation import notice
+from space_robot_description.share import is_file, shipped
+from space_robot_description.spec import Strict
+from space_robot_description.validation import parse_yaml
+from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.campaign.cases import check_cases
+from space_robot_studies.campaign.spec import Campaign, load_campaign
+from space_robot_studies.reproduce.check import check_plan
+from space_robot_studies.reproduce.manifest import Manifest
+from space_robot_studies.reproduce.plan import Plan, load_plan
+
+KINDS: dict[str, type[Strict]] = {"experiment": Experiment, "campaign": Campaign, "paper": Manifest}
+FOLDERS = {"experiment": "experiments", "campaign": "campaigns", "paper": "papers"}
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """The answer.
+
+    Attributes:
+        summary: one line.
+        facts: what else is known of it.
+        warnings: what it will run into.
+    """
+
+    summary: str
+    facts: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def kind_of(name_or_path: str) -> str:
+    """``experiment``, ``campaign`` or ``paper``: by the keys of a file, by the folder of a shipped name.
+
+    A name that is shipped as an experiment and as a campaign is the experiment.
+    """
+    if is_file(path := Path(name_or_path)):
+        data: Any = parse_yaml(path)
+        return "paper" if "figures" in data else "campaign" if "experiment" in data else "experiment"
+    return next((kind for kind, folder in FOLDERS.items() if name_or_path in shipped(folder)), "experiment")
+
+
+def check_file(
+    name_or_path: str, kind: str, overrides: Sequence[str] = (), say: Callable[[str], None] = lambda line: None
+) -> Checked:
+    """Check everything that can be checked without flying.
+
+    Args:
+        name_or_path: shipped name or YAML file.
+        kind: see ``kind_of``.
+        overrides: ``dotted.key=value`` of an experiment.
+        say: told what has to be compiled before the answer.
+
+    Raises:
+        SpaceRobotError: what is wrong; the message names the key.
+    """
+    if kind not in KINDS:
+        raise SpecError("no such kind", key="--kind", value=kind, accepted=", ".join(KINDS))
+    if overrides and kind != "experiment":
+        raise SpecError("is for experiments", key="--set", value=list(overrides), accepted=f"keys in the {kind}'s file")
+    if kind == "experiment":
+        return _experiment(load_experiment(name_or_path, overrides), say)
+    return _campaign(load_campaign(name_or_path)) if kind == "campaign" else _paper(load_plan(name_or_path))
+
+
+def _experiment(spec: Experiment, say: Callable[[str], None]) -> Checked:
+    if line := notice(spec.controller.law_names, plant=False):
+        say(line)
+    composition = compose(spec)
+    nominal, review = composition.nominal, composition.review()
+    summary = (
+        f"{nominal.name}, {nominal.n} joints, {spec.controller.law}, {spec.steps} periods of {spec.control_period:g} s"
+    )
+    return Checked(summary, review.facts, review.warnings)
+
+
+def _campaign(campaign: Campaign) -> Checked:
+    firsts = check_cases(campaign)
+    facts = tuple(f"varies {key}: {', '.join(map(str, values))}" for key, values in campaign.vary.items())
+    facts += tuple(f"draws {key}" for key in campaign.disperse)
+    warnings = dict.fromkeys(warning for composition in firsts for warning in composition.review().warnings)
+    summary = f"{campaign.cases} cases, {campaign.points} points of {campaign.runs} runs"
+    return Checked(summary, facts, tuple(warnings))
+
+
+def _paper(plan: Plan) -> Checked:
+    check_plan(plan, plan.manifest.figures)
+    facts = tuple(
+        f"{figure}: {spec.title} ({sum(map(len, plan.runs[figure].values()))} runs, {len(spec.claims)} claims)"
+        for figure, spec in plan.manifest.figures.items()
+    )
+    return Checked(f"{len(facts)} figures and studies, {len(plan.flights(plan.manifest.figures))} flights", facts)

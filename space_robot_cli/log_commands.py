@@ -1,0 +1,142 @@
+"""The commands that work on logs: replay, info, recover."""
+
+from __future__ import annotations
+
+import json
+import signal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from space_robot_cli.app import FAILED, JsonOption, SetOption, app, err, out
+from space_robot_msgs_py.errors import SpecError
+
+if TYPE_CHECKING:
+    from space_robot_bringup.replay.comparison import Tolerance
+    from space_robot_bringup.replay.publish import PublishOrder
+
+
+@app.command()
+def replay(
+    bags: Annotated[list[Path], typer.Argument(metavar="BAG...", help="run directories, bags or .mcap files")],
+    against: Annotated[
+        str,
+        typer.Option(help="controller: states in, commands out; plant: commands in, states out; or both"),
+    ] = "both",
+    set_: SetOption = None,
+    rtol: Annotated[float, typer.Option(help="relative to the largest number of a block; default: equal bits")] = 0.0,
+    atol: Annotated[float, typer.Option(help="absolute, in the unit of the field; default: equal bits")] = 0.0,
+    ignore: Annotated[
+        list[str] | None, typer.Option(metavar="TOPIC[/BLOCK]", help="not compared; may be given often")
+    ] = None,
+    experiment: Annotated[
+        str | None, typer.Option(help="for bags of another tool: shipped name or YAML file of what was flown")
+    ] = None,
+    namespace: Annotated[str, typer.Option(help="in front of the topics of a bag of another tool")] = "",
+    update_refs: Annotated[
+        bool, typer.Option("--update-refs", help="say what is different, then fly again and replace the bag")
+    ] = False,
+    publish: Annotated[
+        bool, typer.Option("--publish", help="put the bag on the live graph in place of the simulator instead")
+    ] = False,
+    rate: Annotated[
+        float | None, typer.Option(help="with --publish: recorded seconds per second; default: wait for each command")
+    ] = None,
+    paused: Annotated[bool, typer.Option("--paused", help="with --publish: begin paused, for ~/step")] = False,
+    loop: Annotated[bool, typer.Option("--loop", help="with --publish: begin again after the end")] = False,
+    topics: Annotated[
+        list[str] | None, typer.Option("--topics", metavar="TOPIC", help="with --publish: only these; may repeat")
+    ] = None,
+    role: Annotated[
+        str, typer.Option("--as", help="with --publish: state (what a controller hears) or all (commands too)")
+    ] = "state",
+    as_json: JsonOption = False,
+) -> None:
+    """Compute a recorded run again and compare every number with the log, or let a node of yours answer it."""
+    from space_robot_bringup.replay.comparison import Tolerance
+    from space_robot_bringup.replay.golden import refly
+    from space_robot_bringup.replay.publish import PublishOrder
+    from space_robot_bringup.replay.replay import Order, replay
+    from space_robot_cli.render import replay as show
+
+    tolerance = Tolerance(rtol, atol, tuple(name.lstrip("/") for name in ignore or ()))
+    if publish:
+        if as_json or set_ or experiment or update_refs or against != "both":
+            key = "--against, --set, --experiment, --update-refs, --json"
+            raise SpecError("means nothing to --publish", key=key, accepted="--publish without it")
+        _publish(bags, PublishOrder(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
+        return
+    if rate is not None or paused or loop or topics or role != "state":
+        raise SpecError("is for --publish", key="--rate, --paused, --loop, --topics, --as", accepted="with --publish")
+    order = Order(against, tolerance, set_ or (), experiment, namespace)
+    done = []
+    for bag in bags:
+        one = replay(bag, order, lambda line: None if as_json else err.print(line))
+        done.append(one)
+        if not as_json:
+            show.print_replayed(out, one)
+        if update_refs:
+            said = "replaced by a new flight" if refly(one.recording) else "up to date"
+            err.print(f"{bag}: {said}", markup=False, soft_wrap=True)
+    if as_json:
+        found = [show.as_dict(one) for one in done]
+        print(json.dumps(found[0] if len(found) == 1 else found, allow_nan=False))
+    if not update_refs and not all(one.equal for one in done):
+        raise typer.Exit(FAILED)
+
+
+def _publish(bags: list[Path], order: PublishOrder, tolerance: Tolerance) -> None:
+    """Let a node on the graph answer one bag; the end of what it answered decides the exit code."""
+    from space_robot_bringup.modes.signals import StopFlag
+    from space_robot_bringup.replay.publish import Answers, open_broadcast
+    from space_robot_cli.render import replay as show
+
+    if len(bags) != 1:
+        raise SpecError("one bag at a time", key="--publish", value=len(bags), accepted="one bag")
+    try:
+        from space_robot_bringup.nodes import replayer
+    except ImportError as error:
+        accepted = "install space-robot[ros], or source a Jazzy"
+        raise SpecError(f"needs ROS 2 Jazzy ({error})", key="--publish", accepted=accepted) from None
+    broadcast = open_broadcast(bags[0], order.namespace)
+    answers = Answers(broadcast, tolerance)
+    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
+        reason = replayer.publish(broadcast, order, answers, lambda: stop.reason)
+    show.print_answers(out, answers, reason)
+    if answers.different or (reason != "completed" and stop.reason is None):
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def info(
+    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file, of any tool")],
+    as_json: JsonOption = False,
+) -> None:
+    """Say what is in a bag: topics, rates, gaps, provenance, damage, verdict."""
+    from space_robot_bringup.logs.info import bag_info
+    from space_robot_cli.render import log as show
+
+    found = bag_info(bag)
+    if as_json:
+        print(json.dumps(show.info_dict(found), allow_nan=False))
+    else:
+        show.print_info(out, found)
+
+
+@app.command()
+def recover(
+    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file that was cut or damaged")],
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="default BAG_recovered")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Make a clean, indexed bag of a cut or damaged one and say what was lost."""
+    from space_robot_cli.render import log as show
+    from space_robot_msgs_py.log.recover import recover
+
+    place = bag.resolve()
+    done = recover(bag, directory or place.with_name(f"{place.stem}_recovered"))
+    if as_json:
+        print(json.dumps(show.recovery_dict(done), allow_nan=False))
+    else:
+        show.print_recovery(out, done)

@@ -1,0 +1,188 @@
+"""The command line: it parses, calls the library and prints; nothing else.
+
+Imports of the library stand inside the commands: numba and Pinocchio take a second to load, and ``--help`` needs none.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Never
+
+import typer
+
+import space_robot_cli.log_commands
+import space_robot_cli.study_commands  # noqa: F401  (their commands belong to the same application)
+from space_robot_cli.app import BAD_INPUT, FAILED, JsonOption, SetOption, app, err, out, warn
+from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+
+if TYPE_CHECKING:
+    from space_robot_bringup.experiment.experiment import Experiment
+    from space_robot_bringup.modes.run import RunResult
+
+MODES = ("headless", "graph", "processes")
+
+
+@app.command("list")
+def list_shipped() -> None:
+    """List the shipped experiments, papers, campaigns and robots."""
+    from space_robot_cli.catalogue import catalogue
+
+    for kind, rows in catalogue().items():
+        out.print(kind, style="bold")
+        for name, title in rows.items():
+            out.print(f"  {name:<34}{title}", markup=False, soft_wrap=True)
+
+
+@app.command()
+def check(
+    file: Annotated[str, typer.Argument(help="experiment, campaign or paper: shipped name or YAML file")],
+    set_: SetOption = None,
+    kind: Annotated[str, typer.Option(help="experiment, campaign or paper; default: what it looks like")] = "",
+) -> None:
+    """Check an experiment, a campaign or a paper's manifest completely without flying it."""
+    from space_robot_cli.check import check_file, kind_of
+
+    checked = check_file(file, kind or kind_of(file), set_ or (), err.print)
+    out.print(f"{file}: fine. {checked.summary}", markup=False, soft_wrap=True)
+    for line in checked.facts:
+        out.print(f"  {line}", markup=False, soft_wrap=True)
+    for warning in checked.warnings:
+        warn(warning)
+
+
+@app.command()
+def robot(
+    file: Annotated[str, typer.Argument(help="shipped name or YAML file")],
+    as_json: JsonOption = False,
+) -> None:
+    """Print mass, inertia, momentum capacity, reach and the condition of the base-arm coupling of a robot."""
+    from space_robot_cli.render import run as render
+    from space_robot_description.load import load_robot
+    from space_robot_description.report import robot_report
+
+    report = robot_report(load_robot(file))
+    if as_json:
+        print(json.dumps(report.to_dict(), allow_nan=False))
+    else:
+        render.robot(out, report)
+
+
+@app.command()
+def run(
+    experiment: Annotated[str | None, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")] = None,
+    mode: Annotated[
+        str | None, typer.Option(help=f"one of: {', '.join(MODES)}; default headless, with --from graph")
+    ] = None,
+    directory: Annotated[Path | None, typer.Option("--out", help="run directory; default runs/<name>")] = None,
+    realtime: Annotated[
+        float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
+    ] = None,
+    set_: SetOption = None,
+    duration: Annotated[float | None, typer.Option(help="fly this long instead [s]")] = None,
+    campaign_directory: Annotated[
+        Path | None, typer.Option("--from", metavar="DIR", help="fly one case of this campaign, with --index")
+    ] = None,
+    index: Annotated[int | None, typer.Option(help="of the case, with --from")] = None,
+    as_json: JsonOption = False,
+    view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
+    port: PortOption = 8080,
+    no_browser: NoBrowserOption = False,
+) -> None:
+    """Fly an experiment, log it to a bag and print the verdict."""
+    mode = mode or ("headless" if campaign_directory is None else "graph")
+    if mode not in MODES:
+        raise SpecError("no such mode", key="--mode", value=mode, accepted=", ".join(MODES))
+    if realtime is not None and not 1e-3 <= realtime <= 1e4:
+        raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
+    from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration
+    from space_robot_cli.render import run as render
+    from space_robot_studies.campaign.rerun import case_experiment, differences
+
+    if campaign_directory is not None and index is not None and not (experiment or set_ or duration):
+        spec, name = case_experiment(campaign_directory, index), f"{campaign_directory.resolve().name}_{index:06d}"
+    elif experiment is not None and campaign_directory is None and index is None:
+        spec = with_duration(load_experiment(experiment, set_ or ()), duration)
+        name = experiment_path(experiment).stem
+    else:
+        accepted = "an experiment with --set and --duration, or --from DIR with --index K"
+        raise SpecError("says not what to fly, or twice", key="run", accepted=accepted)
+    result = _fly(spec, directory or Path("runs") / name, mode, realtime, quiet=as_json)
+    # A paced run may miss commands, which no row of a campaign does.
+    found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
+    if as_json:
+        again = {} if campaign_directory is None else {"differences": found}
+        print(json.dumps(render.as_dict(spec, mode, result) | again, allow_nan=False))
+    else:
+        render.verdict(out, spec, mode, result)
+        if found is not None:
+            said = f"not as in the campaign: {'; '.join(found)}" if found else "every number is the campaign's"
+            out.print(said, style="red" if found else "green", markup=False, soft_wrap=True)
+    if view:
+        show_log(result.directory, port=port, open_browser=not no_browser)
+    if found or not result.passed:
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def plot(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
+) -> None:
+    """Draw a log: attitude and joints against what was asked, and the torques it took."""
+    try:
+        from space_robot_report.figures.log import draw
+    except ImportError as error:
+        raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
+    place = picture or log.with_suffix(".png")
+    draw(log, place)
+    out.print(f"picture: {place}", markup=False, soft_wrap=True)
+
+
+@app.command()
+def schema(
+    kind: Annotated[str, typer.Argument(help="experiment, campaign or paper")] = "experiment",
+) -> None:
+    """Print the JSON schema of experiment, campaign or paper files, for editors."""
+    from space_robot_cli.check import KINDS
+
+    if kind not in KINDS:
+        raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join(KINDS))
+    print(json.dumps(KINDS[kind].model_json_schema(), indent=2))
+
+
+def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
+    from space_robot_bringup.modes.compilation import notice
+    from space_robot_bringup.modes.hooks import Hooks
+    from space_robot_bringup.modes.run import run_experiment
+    from space_robot_bringup.modes.signals import StopFlag
+    from space_robot_cli.progress import Progress
+
+    if not quiet and (line := notice(spec.controller.law_names)):
+        err.print(line)
+    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
+        hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=warn)
+        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
+
+
+def main() -> Never:
+    """Entry point: one line per error, exit 2 on bad input, no traceback."""
+    try:
+        # Without standalone mode an Exit of a command is what app returns.
+        code = app(standalone_mode=False)
+    except SpaceRobotError as error:
+        err.print(f"space-robot: {error}", style="red", markup=False, soft_wrap=True)
+        sys.exit(BAD_INPUT)
+    except (KeyboardInterrupt, typer.Abort):
+        sys.exit(FAILED)
+    except Exception as error:
+        # Usage errors of the parser know how to show themselves; anything else is a bug and shows its trace.
+        show = getattr(error, "format_message", None)
+        if show is None:
+            raise
+        err.print(f"space-robot: {show()}; see --help", style="red", markup=False, soft_wrap=True)
+        sys.exit(BAD_INPUT)
+    sys.exit(code or 0)

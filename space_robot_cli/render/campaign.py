@@ -1,0 +1,97 @@
+"""How a campaign looks: progress while it flies, tables and one dictionary at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from space_robot_studies.campaign.campaign import TABLE, CampaignResult, describe
+from space_robot_studies.campaign.journal import CAMPAIGN, bag_path
+from space_robot_studies.campaign.statistics import Group, Rate
+
+SHOWN_CASES = 5
+
+
+def as_dict(title: str, result: CampaignResult) -> dict[str, Any]:
+    """The result as plain data; no number is NaN."""
+    return {
+        "title": title,
+        "directory": str(result.directory),
+        "end_reason": result.end_reason,
+        "passed": result.passed,
+        "done": result.done,
+        "total": result.total,
+        "wall_time": result.wall_time,
+        "groups": [group.to_dict() for group in result.groups],
+        "checks": [
+            {"name": c.name, "measured": c.measured, "wanted": c.wanted, "passed": c.passed} for c in result.checks
+        ],
+    }
+
+
+def campaign(console: Console, title: str, result: CampaignResult) -> None:
+    """Print the spreads, the rates, the failed cases and how to fly one again."""
+    for group in result.groups:
+        console.print(_spreads(group))
+        for line in _lines(group, result):
+            console.print(line, markup=False, soft_wrap=True)
+    for check in result.checks:
+        if not check.passed:
+            console.print(f"failed: {check.name} = {check.measured}, wanted {check.wanted}", style="red", markup=False)
+    word = "PASS" if result.passed else "FAIL"
+    console.print(
+        f"{word} ({result.end_reason}): {title or 'campaign'}, {result.done} of {result.total} runs, "
+        f"{result.wall_time:.1f} s",
+        style="green" if result.passed else "red",
+        markup=False,
+        soft_wrap=True,
+    )
+    if result.groups:
+        console.print(f"table: {result.directory / TABLE}", markup=False, soft_wrap=True)
+    else:
+        again = f"space-robot campaign {result.directory / CAMPAIGN} --out {result.directory} --resume"
+        console.print(f"finished rows are kept; go on: {again}", markup=False, soft_wrap=True)
+
+
+def _spreads(group: Group) -> Table:
+    title = escape(describe(group.labels)) or None
+    table = Table(box=SIMPLE_HEAD, title=title, title_justify="left")
+    table.add_column("metric", no_wrap=True)
+    for heading in ("n", "missing", "mean, 95 % interval", "p05", "median", "p95", "max", "worst case"):
+        table.add_column(heading.replace(", ", ",\n").replace(" case", "\ncase"), justify="right")
+    for name, s in group.spreads.items():
+        worst = "-" if s.worst is None else str(s.worst)
+        mean = f"{_short(s.mean)} \\[{_short(s.mean_low)}, {_short(s.mean_high)}]"
+        numbers = (_short(value) for value in (s.p05, s.median, s.p95, s.max))
+        table.add_row(escape(name), str(s.n), str(s.missing), mean, *numbers, worst)
+    return table
+
+
+def _lines(group: Group, result: CampaignResult) -> Iterator[str]:
+    yield f"passed: {_rate(group.success)}"
+    yield f"completed: {_rate(group.completed)}"
+    for reason, count in group.reasons.items():
+        yield f"  {count} x {reason}"
+    shown, rest = group.failed[:SHOWN_CASES], len(group.failed) - SHOWN_CASES
+    for index in shown:
+        bag = bag_path(result.directory, index)
+        kept = f", bag {bag}" if bag.exists() else ""
+        yield f"  case {index} failed: space-robot run --from {result.directory} --index {index}{kept}"
+    if rest > 0:
+        yield f"  and {rest} more failed"
+
+
+def _rate(rate: Rate) -> str:
+    interval = f"{100 * rate.low:.1f} to {100 * rate.high:.1f} %"
+    return f"{rate.count} of {rate.n} = {100 * rate.rate:.1f} %, 95 % interval {interval} (Clopper-Pearson)"
+
+
+def _short(value: float | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.3g}" if value == 0.0 or abs(value) >= 1e-3 else f"{value:.0e}"

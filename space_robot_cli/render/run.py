@@ -1,0 +1,133 @@
+"""How results look: tables for people, one dictionary for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.modes.run import RunResult
+from space_robot_description.report import RobotReport
+
+
+def as_dict(experiment: Experiment, mode: str, result: RunResult) -> dict[str, Any]:
+    """The verdict as plain data; absent numbers are None, none is NaN."""
+    metrics = result.metrics
+    simulated = metrics.simulated_time if metrics else 0.0
+    return {
+        "title": experiment.title,
+        "mode": mode,
+        "directory": str(result.directory),
+        "end_reason": result.end_reason,
+        "passed": result.passed,
+        "wall_time": result.wall_time,
+        "real_time_factor": simulated / result.wall_time if result.wall_time else None,
+        "ticks": metrics.ticks if metrics else 0,
+        "simulated_time": simulated,
+        "metrics": metrics.flat() if metrics else {},
+        "checks": [
+            {"name": c.name, "measured": c.measured, "wanted": c.wanted, "passed": c.passed} for c in result.checks
+        ],
+    }
+
+
+def verdict(console: Console, experiment: Experiment, mode: str, result: RunResult) -> None:
+    """Print the axes, the totals, the checks and where the bag is."""
+    if result.metrics is not None:
+        console.print(_axes(experiment, result.metrics))
+        console.print(_totals(mode, result, result.metrics))
+    for check in result.checks:
+        if not check.passed:
+            measured = "none" if check.measured is None else f"{check.measured:g}"
+            console.print(f"failed: {check.name} is {measured}, wanted {check.wanted}", style="red", markup=False)
+    console.print(f"log: {result.directory}", markup=False, soft_wrap=True)
+    word, style = ("PASS", "bold green") if result.passed else ("FAIL", "bold red")
+    console.print(f"{word} ({result.end_reason})", style=style, markup=False, soft_wrap=True)
+
+
+def _axes(experiment: Experiment, metrics: RunMetrics) -> Table:
+    table = Table(title=escape(experiment.title) or None, title_justify="left", box=SIMPLE_HEAD)
+    table.add_column("axis", no_wrap=True)
+    for heading in ("travel", "final\nerror", "max\nerror", "rms\nerror", "settling\n[s]", "over-\nshoot [%]"):
+        table.add_column(heading, justify="right", no_wrap=True, min_width=6)
+    for axis in metrics.axes:
+        lengths = (axis.travel, axis.final_error, axis.max_error, axis.rms_error)
+        table.add_row(
+            escape(f"{axis.name} [{axis.unit}]"),
+            *(_short(value) for value in lengths),
+            "-" if axis.settling_time is None else f"{axis.settling_time:g}",
+            "-" if axis.overshoot is None else f"{axis.overshoot:.2f}",
+        )
+    return table
+
+
+def _short(value: float) -> str:
+    return f"{value:.3g}" if value == 0.0 or value >= 1e-3 else f"{value:.0e}"
+
+
+def _totals(mode: str, result: RunResult, metrics: RunMetrics) -> Table:
+    table = Table(show_header=False, box=None)
+    rows = {
+        "saturation share": f"{100 * metrics.saturation_share:.1f} % of periods",
+        "momentum residual": f"{metrics.momentum_residual:.1e}",
+        "energy residual": f"{metrics.energy_residual:.1e}",
+        "torque integral": f"{metrics.effort_integral:.4g} N m s",
+        "joint limits": "kept" if metrics.joint_limit == 0.0 else f"exceeded by {metrics.joint_limit:.3g} rad",
+        "wall time": f"{result.wall_time:.2f} s for {metrics.simulated_time:g} s ({mode})",
+        "x real time": f"{metrics.simulated_time / result.wall_time:.0f}" if result.wall_time else "-",
+    }
+    for name, value in rows.items():
+        table.add_row(name, value)
+    return table
+
+
+def robot(console: Console, report: RobotReport) -> None:
+    """Print a robot report: totals, bodies, joints."""
+    totals = Table(
+        title=f"{escape(report.name)}: {report.n} joints, {report.base_mode}", title_justify="left", box=None
+    )
+    totals.show_header = False
+    for name, value in _robot_totals(report).items():
+        totals.add_row(name, value)
+    console.print(totals)
+    bodies = Table(box=SIMPLE_HEAD)
+    bodies.add_column("body", no_wrap=True)
+    for heading in ("mass [kg]", "com [m]", "Ixx, Iyy, Izz [kg m2]"):
+        bodies.add_column(heading.replace("[", r"\["))
+    for body in report.bodies:
+        bodies.add_row(escape(body.name), f"{body.mass:g}", _numbers(body.com), _numbers(body.inertia.diagonal()))
+    console.print(bodies)
+    joints = Table(box=SIMPLE_HEAD)
+    joints.add_column("joint", no_wrap=True)
+    for heading in ("from", "to", "home", "effort\nlimit", "lag\n[s]", "friction\nviscous", "friction\nCoulomb"):
+        joints.add_column(heading.replace("[", r"\["), justify="right")
+    for row in report.joints:
+        values = (row.lower, row.upper, row.home, row.effort, row.lag, row.viscous, row.coulomb)
+        joints.add_row(escape(row.name), *(f"{value:.4g}" for value in values))
+    console.print(joints)
+
+
+def _robot_totals(report: RobotReport) -> dict[str, str]:
+    wheels, force, reach = report.momentum_capacity, report.force_capacity, report.reach
+    return {
+        "mass": f"{report.total_mass:g} kg",
+        "centre of mass at home": f"{_numbers(report.system_com)} m",
+        "inertia at home (Ixx, Iyy, Izz)": f"{_numbers(report.system_inertia.diagonal())} kg m2",
+        "momentum capacity per axis": f"{_numbers(wheels)} N m s" if wheels is not None else "no wheels",
+        "torque capacity per axis": f"{_numbers(report.torque_capacity)} N m",
+        "force capacity per axis": f"{_numbers(force)} N" if force is not None else "none (free-floating)",
+        f"reach of {escape(report.tool_frame)}": f"{reach.sampled:.3f} m sampled, below {reach.sum_bound:.3f} m",
+        "base-arm coupling, condition": f"{report.coupling.condition:.4g}",
+        "base rate per joint rate": f"{report.coupling.rate_ratio:.4g}",
+        "base torque per joint effort": f"{report.coupling.torque_ratio:.4g}",
+    }
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)

@@ -1,0 +1,92 @@
+"""The commands that show what happened: a page of a log or a campaign, and a log in the browser."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from space_robot_cli.app import app, err, out
+from space_robot_msgs_py.errors import SpecError
+
+PortOption = Annotated[int, typer.Option(help="of the viewer; the next free one if it is taken", min=1, max=65535)]
+NoBrowserOption = Annotated[bool, typer.Option("--no-browser", help="only print the address")]
+
+
+@app.command()
+def report(
+    place: Annotated[Path, typer.Argument(help="run directory, .mcap file, or directory of a campaign")],
+    page: Annotated[Path | None, typer.Option("--out", "-o", help="the page; default: beside it, NAME.html")] = None,
+) -> None:
+    """Write one page that works offline: verdict, plots, 3-D playback, provenance; of a campaign what it adds up to."""
+    from space_robot_description.share import is_file
+    from space_robot_studies.campaign.journal import CAMPAIGN
+
+    target = page or _beside(place)
+    if os.path.isdir(target):
+        raise SpecError("is a directory", key="--out", value=str(target), accepted="the name of a page")
+    try:
+        if is_file(place / CAMPAIGN):
+            from space_robot_report.pages.campaign_report import write_campaign_report
+
+            done = write_campaign_report(place, target)
+            out.print(f"page: {target} ({done} cases)", markup=False, soft_wrap=True)
+            return
+        from space_robot_report.pages.log_report import write_log_report
+    except ImportError as error:
+        accepted = "install space-robot[viz], and space-robot[campaign] for campaigns"
+        raise SpecError(f"report needs plotly and more ({error})", accepted=accepted) from None
+    for trouble in write_log_report(place, target).troubles:
+        err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
+    out.print(f"page: {target}", markup=False, soft_wrap=True)
+
+
+@app.command()
+def view(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    port: PortOption = 8080,
+    no_browser: NoBrowserOption = False,
+) -> None:
+    """Show a log in the browser: the robot, what was desired, torques, the way of the tool; Ctrl-C ends it."""
+    show_log(log, port=port, open_browser=not no_browser)
+
+
+def show_log(log: Path, *, port: int, open_browser: bool) -> None:
+    """Serve a log until Ctrl-C.
+
+    Raises:
+        SpecError: viser is not installed.
+    """
+    from space_robot_bringup.modes.signals import StopFlag
+
+    try:
+        from space_robot_report.viewer.load import load_show
+        from space_robot_report.viewer.serve import serve
+    except ImportError as error:
+        raise SpecError(f"view needs viser ({error})", accepted="install space-robot[view]") from None
+    show, troubles = load_show(log)
+    for trouble in troubles:
+        err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
+    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
+        serve(
+            show,
+            port=port,
+            open_browser=open_browser,
+            on_ready=_announce,
+            stop=lambda: stop.reason,
+        )
+
+
+def _announce(address: str) -> None:
+    out.print(f"view: {address} (Ctrl-C ends it)", markup=False, soft_wrap=True)
+    # Whoever reads a pipe waits for the address.
+    out.file.flush()
+
+
+def _beside(place: Path) -> Path:
+    """The page of a log or a campaign where nothing else is said."""
+    whole = Path(os.path.abspath(place))
+    return whole.parent / f"{whole.stem if whole.suffix == '.mcap' else whole.name}.html"

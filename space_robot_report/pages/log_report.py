@@ -1,0 +1,152 @@
+"""The page of one run: verdict, playback, the paper's claims, every signal, and where it all comes from."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from space_robot_bringup.logs.assessed import JudgedLog, read_judged
+from space_robot_description.visual import look_of
+from space_robot_msgs_py.atomic_file import write_atomically
+from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.interfaces import NANOSECONDS
+from space_robot_report.pages.html import script
+from space_robot_report.pages.interactive import PlotBook, embedded, interactive_page
+from space_robot_report.pages.log_plots import conservation_plots, effort_plots, motion_plots, telemetry_plots
+from space_robot_report.pages.paper_section import paper_figures
+from space_robot_report.pages.scene import scene
+
+TEMPLATE = "log.html.j2"
+
+
+def write_log_report(log: Path, out: Path) -> JudgedLog:
+    """Write the page of a log, whole or damaged; the page says what is missing.
+
+    Args:
+        log: run directory or .mcap file.
+        out: the page.
+
+    Returns:
+        What was read.
+
+    Raises:
+        InputFileError: there is no such log.
+        LogError: no complete tick can be read, or the page cannot be written.
+    """
+    judged = read_judged(log)
+    write_atomically(out, log_page(judged))
+    return judged
+
+
+def log_page(judged: JudgedLog) -> str:
+    """The page of a log as HTML."""
+    book, troubles = PlotBook(), list(judged.troubles)
+    flight, tool = _flight(judged, troubles)
+    content = {
+        "title": _title(judged),
+        "source": judged.experiment.source if judged.experiment else "",
+        "summary": _summary(judged),
+        "verdict": _verdict(judged),
+        "metrics": judged.metrics,
+        "scene": embedded(flight) if flight else "",
+        "tool": tool,
+        "figures": _figures(judged, book, troubles),
+        "sections": _sections(judged, book),
+        "provenance": _provenance(judged),
+        "events": _events(judged),
+        "marks": embedded([event.stamp / NANOSECONDS for event in judged.events]),
+        "experiment": judged.header.experiment,
+        "troubles": troubles,
+        "playback_script": script("playback.js"),
+    }
+    return interactive_page(TEMPLATE, book, content)
+
+
+def _title(judged: JudgedLog) -> str:
+    title = judged.experiment.title if judged.experiment else ""
+    return title or judged.path.stem
+
+
+def _summary(judged: JudgedLog) -> str:
+    arrays, experiment = judged.arrays, judged.experiment
+    what = f"{arrays.time.size} ticks, {arrays.time[-1] - arrays.time[0]:g} s"
+    if experiment is not None:
+        robot = experiment.robot["name"] if isinstance(experiment.robot, dict) else experiment.robot
+        what = f"{robot} under {experiment.controller.law}: {what}, control period {experiment.control_period:g} s"
+    return f"{what}. Ended: {judged.end_reason or 'cut'}."
+
+
+def _verdict(judged: JudgedLog) -> dict[str, Any]:
+    checks = judged.checks
+    return {"known": bool(checks), "passed": all(check.passed for check in checks), "checks": checks}
+
+
+def _flight(judged: JudgedLog, troubles: list[str]) -> tuple[dict[str, Any] | None, str]:
+    """What the playback shows, and the link whose way it draws."""
+    try:
+        look = look_of(judged.header.urdf)
+    except SpaceRobotError as error:
+        troubles.append(f"no playback: {error}")
+        return None, ""
+    if look.model.nq != judged.arrays.q.shape[1]:
+        troubles.append("no playback: the robot in the log has other joints than its states")
+        return None, ""
+    if look.missing:
+        troubles.append(f"drawn without {', '.join(look.missing)}: not on this machine, or not readable")
+    composition = judged.composition
+    tool = (composition.nominal.tool_frame if composition else "") or look.tool
+    return scene(look, judged.arrays, tool), tool
+
+
+def _figures(judged: JudgedLog, book: PlotBook, troubles: list[str]) -> list[dict[str, Any]]:
+    try:
+        found = paper_figures(judged)
+    except SpaceRobotError as error:
+        troubles.append(f"no figure of a paper: {error}")
+        return []
+    return [
+        {
+            "heading": figure.heading,
+            "citation": figure.citation,
+            "caption": figure.caption,
+            "plots": book.all(figure.plots),
+            "claims": figure.claims,
+            "command": figure.command,
+        }
+        for figure in found
+    ]
+
+
+def _events(judged: JudgedLog) -> list[dict[str, Any]]:
+    """What was changed in flight, for people."""
+    return [
+        {"time": event.stamp / NANOSECONDS, "kind": event.kind, "content": json.dumps(dict(event.content), indent=1)}
+        for event in judged.events
+    ]
+
+
+def _sections(judged: JudgedLog, book: PlotBook) -> list[dict[str, Any]]:
+    arrays, joints = judged.arrays, judged.header.joint_names
+    robot = judged.composition.nominal if judged.composition else None
+    sections = {
+        "Motion": motion_plots(arrays, joints, robot),
+        "Torques and wheels": effort_plots(arrays, joints, robot),
+        "What the law shows": telemetry_plots(arrays.time, arrays.controller),
+        "Conservation": conservation_plots(arrays),
+        "What else the plant shows": telemetry_plots(arrays.time, arrays.plant),
+    }
+    drawn = [{"title": title, "plots": book.all(list(plots))} for title, plots in sections.items()]
+    return [section for section in drawn if section["plots"]]
+
+
+def _provenance(judged: JudgedLog) -> dict[str, str]:
+    header = judged.header
+    said = {
+        "log": judged.path.name,
+        "mode": judged.mode or "not known: it is in metadata.yaml, beside the log",
+        "seed": str(header.seed),
+        "joints": ", ".join(header.joint_names),
+        "end": judged.end_reason or "cut",
+    }
+    return said | {f"version of {name}": version for name, version in header.versions.items()}

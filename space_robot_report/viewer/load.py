@@ -1,0 +1,46 @@
+"""From a log on disk to what the viewer shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from space_robot_bringup.logs.assessed import JudgedLog, read_judged
+from space_robot_description.visual import look_of
+from space_robot_msgs_py.errors import LogError
+from space_robot_report.playback import Footage
+from space_robot_report.viewer.serve import Show
+
+
+def load_show(log: Path) -> tuple[Show, tuple[str, ...]]:
+    """Read a log, whole or damaged.
+
+    Returns:
+        What to show, and what is missing, a line each.
+
+    Raises:
+        InputFileError: there is no such log.
+        LogError: no complete tick can be read, or its robot does not fit its states.
+        SpecError: the URDF in it is none.
+    """
+    judged = read_judged(log)
+    look = look_of(judged.header.urdf)
+    if look.model.nq != judged.arrays.q.shape[1]:
+        raise LogError("the robot in it has other joints than its states", key=str(log))
+    tool = (judged.composition.nominal.tool_frame if judged.composition else "") or look.tool
+    missing = tuple(f"drawn without {uri}: not on this machine, or not readable" for uri in look.missing)
+    show = Show(look, Footage.of(judged.arrays), tool, _title(judged), _about(judged))
+    return show, (*judged.troubles, *missing)
+
+
+def _title(judged: JudgedLog) -> str:
+    return judged.path.stem.removesuffix("_0")
+
+
+def _about(judged: JudgedLog) -> str:
+    experiment = judged.experiment
+    law = f"Law `{experiment.controller.law}`. " if experiment else ""
+    title = f"**{experiment.title}**\n\n" if experiment and experiment.title else ""
+    verdict = ""
+    if judged.checks:
+        verdict = "PASS. " if all(check.passed for check in judged.checks) else "FAIL. "
+    return f"{title}{law}{verdict}Ended: {judged.end_reason or 'cut'}."

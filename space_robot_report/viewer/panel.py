@@ -1,0 +1,79 @@
+"""The controls in the browser: time, play and pause, speed, and what is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import viser
+
+from space_robot_report.viewer.clock import PlayClock
+
+SPEEDS = ("0.25", "0.5", "1", "2", "5", "10", "50")
+STEPS = 1000
+
+
+class Panel:
+    """Controls that steer a clock and follow it.
+
+    Args:
+        server: of viser.
+        clock: of the playback.
+        start: of the run [s].
+        end: of the run [s].
+        title: of the run.
+        about: a line or two on the run, as Markdown.
+        switches: label to what is told when it is switched on or off.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        clock: PlayClock,
+        *,
+        start: float,
+        end: float,
+        title: str,
+        about: str,
+        switches: Mapping[str, Callable[[bool], None]],
+    ) -> None:
+        self._clock = clock
+        gui = server.gui
+        gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
+        gui.set_panel_label(title)
+        gui.add_markdown(about)
+        self._button = gui.add_button("Play")
+        span = max(end - start, 1e-3)
+        self._slider = gui.add_slider("time [s]", start, start + span, max(span / STEPS, 1e-3), start)
+        self._speed = gui.add_dropdown("speed", SPEEDS, initial_value="1")
+        self._button.on_click(lambda _: clock.toggle())
+        self._slider.on_update(self._on_slider)
+        self._speed.on_update(self._on_speed)
+        for label, tell in switches.items():
+            self._add_switch(gui, label, tell)
+
+    def follow(self) -> None:
+        """Show where the clock is."""
+        self._slider.value = self._clock.now
+        label = "Pause" if self._clock.playing else "Play"
+        if self._button.label != label:
+            self._button.label = label
+
+    def _on_slider(self, event: Any) -> None:
+        # Our own ``follow`` moves the slider too; only a person has a client.
+        if event.client is not None:
+            self._clock.seek(float(self._slider.value))
+
+    def _on_speed(self, event: Any) -> None:
+        del event
+        self._clock.speed = float(self._speed.value)
+
+    @staticmethod
+    def _add_switch(gui: Any, label: str, tell: Callable[[bool], None]) -> None:
+        switch = gui.add_checkbox(label, initial_value=True)
+
+        def on_update(event: Any) -> None:
+            del event
+            tell(switch.value)
+
+        switch.on_update(on_update)

@@ -1,0 +1,41 @@
+"""What a control cycle of each law costs: its answers to the states of one of its own flights, timed one by one."""
+
+from __future__ import annotations
+
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.modes import headless
+from space_robot_msgs_py.log.writer import MemorySink
+from space_robot_studies.campaign.cases import make_case
+from space_robot_studies.campaign.spec import Campaign
+from space_robot_studies.compare.comparison import law_key
+from space_robot_studies.reproduce.timing import time_updates
+
+# Of the flight, and of the timed updates.
+STEPS, REPEATS = 100, 500
+
+
+def costs_of(campaign: Campaign, name: str) -> dict[str, float | None]:
+    """Law to the median wall time of one update [us], at the first point of the grid it stands at.
+
+    Args:
+        campaign: resolved.
+        name: of it.
+
+    Raises:
+        SpecError: see ``law_key``.
+    """
+    key, found = law_key(campaign, name), dict[str, float | None]()
+    for at in range(campaign.points):
+        law = str(campaign.point(at).labels[key])
+        if law not in found:
+            found[law] = _cost(campaign, at)
+    return found
+
+
+def _cost(campaign: Campaign, index: int) -> float | None:
+    composition, sink = compose(make_case(campaign, index).experiment()), MemorySink()
+    plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
+    headless.run(plant, controller, reference, steps=min(STEPS, composition.experiment.steps), sink=sink)
+    ticks = [(tick.sample.state, tick.reference) for tick in sink.ticks]
+    times = time_updates(composition.controller(), ticks, REPEATS)
+    return None if times is None else times.median

@@ -1,0 +1,204 @@
+"""The manifest of a paper, typed: the runs of a figure, what is drawn of them, what the paper says about them."""
+
+from __future__ import annotations
+
+from math import prod
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+
+from space_robot_description.spec import Strict
+from space_robot_studies.reproduce.quantities import Measure, Number, Texts
+from space_robot_studies.reproduce.stability_map import StabilityMap
+
+Verdict = Literal["holds", "does not hold", "not checkable"]
+Scale = Literal["linear", "log", "symlog"]
+# More bags than this fill a disk sooner than anybody looks at them.
+KEEP_ALL_UP_TO = 40
+MOST_RUNS = 10_000
+
+
+class SeedRange(Strict):
+    """Many seeds in a row."""
+
+    first: NonNegativeInt = 0
+    count: Annotated[int, Field(ge=1, le=MOST_RUNS)]
+
+
+class RunGroup(Strict):
+    """Runs under one label: of an experiment every combination of swept values and seeds, or cases of a campaign."""
+
+    experiment: str = Field(default="", description="shipped name, or a YAML file relative to the manifest")
+    campaign: str = Field(default="", description="instead of an experiment: a campaign, named likewise")
+    runs: PositiveInt | None = Field(default=None, description="of a campaign, per point of its grid; default: its own")
+    at: dict[str, Any] = Field(default_factory=dict, description="of a campaign: only points where these are varied so")
+    set: dict[str, Any] = Field(default_factory=dict, description="overrides of every run, dotted key -> value")
+    sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(
+        default_factory=dict, description="dotted key -> values, one run per value"
+    )
+    seeds: tuple[NonNegativeInt, ...] | SeedRange = Field(default=(), description="one run per seed")
+    may_fail: bool = Field(default=False, description="a run that does not complete is a result, not a failure")
+
+    @property
+    def seed_list(self) -> tuple[int, ...]:
+        """Every seed, in order."""
+        if isinstance(self.seeds, SeedRange):
+            return tuple(range(self.seeds.first, self.seeds.first + self.seeds.count))
+        return self.seeds
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if bool(self.experiment) == bool(self.campaign):
+            raise ValueError("say experiment or campaign")
+        if self.campaign and (self.sweep or self.seed_list):
+            raise ValueError("a campaign has its own grid and seeds: say runs and at")
+        if self.experiment and (self.runs is not None or self.at):
+            raise ValueError("runs and at belong to a campaign")
+        return self
+
+    @model_validator(mode="after")
+    def _said_once(self) -> Self:
+        twice = self.set.keys() & self.sweep.keys()
+        if self.seed_list:
+            twice |= {"seed"} & (self.set.keys() | self.sweep.keys())
+        if twice:
+            raise ValueError(f"{min(twice)} is said twice")
+        if len(set(self.seed_list)) != len(self.seed_list):
+            raise ValueError("a seed stands there twice")
+        if wrong := [key for key in (*self.set, *self.sweep) if not key.strip() or "=" in key]:
+            raise ValueError(f"{wrong[0]!r} is no dotted key")
+        return self
+
+    @model_validator(mode="after")
+    def _countable(self) -> Self:
+        runs = prod(map(len, self.sweep.values())) * max(1, len(self.seed_list))
+        if runs > MOST_RUNS:
+            raise ValueError(f"at most {MOST_RUNS} runs, not {runs}")
+        return self
+
+
+class Claim(Strict):
+    """What the paper says, how it is checked, and what was found when the manifest was written."""
+
+    paper: str = Field(min_length=1, description="the paper's words")
+    measures: dict[str, Measure] = Field(default_factory=dict, description="name -> number")
+    derived: dict[str, str] = Field(default_factory=dict, description="name -> formula over the measures")
+    holds_if: str = Field(default="", description="a condition over the measures")
+    found: str = Field(default="", description="what was measured: a format string over the numbers, n and seeds")
+    verdict: Verdict = Field(description="the documented verdict; another one is an error")
+    because: str = Field(default="", description="why, in a sentence or two")
+
+    @model_validator(mode="after")
+    def _checkable(self) -> Self:
+        if self.verdict == "not checkable":
+            if self.measures or self.derived or self.holds_if or self.found:
+                raise ValueError("a claim that is not checkable has no measures, derived, holds_if or found")
+            if not self.because:
+                raise ValueError("a claim that is not checkable says because")
+        elif not (self.measures and self.holds_if and self.found):
+            raise ValueError("a checkable claim has measures, holds_if and found")
+        return self
+
+
+class Style(Strict):
+    """How a group or a signal is drawn; what is not said is chosen."""
+
+    color: str | None = None
+    line: Literal["solid", "dashed", "dotted", "dashdot"] | None = None
+    width: PositiveFloat | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _color_alone(cls, data: Any) -> Any:
+        return {"color": data} if isinstance(data, str) else data
+
+
+class Drawing(Strict):
+    """What panels and charts have in common."""
+
+    of: Texts | None = Field(default=None, description="groups; default: all of the figure")
+    label: str = Field(default="", description="of the vertical axis, with its unit; default: what is drawn")
+    legend: dict[str, str] = Field(default_factory=dict, description="group or signal -> text; empty text: no entry")
+    style: dict[str, Style] = Field(default_factory=dict, description="group or signal -> color, or a style")
+    y_scale: Scale = "linear"
+    limits: tuple[float, float] | None = Field(default=None, description="of the vertical axis")
+
+
+class Panel(Drawing):
+    """Signals over time, one curve per run."""
+
+    signals: Texts
+    after: NonNegativeFloat = Field(default=0.0, description="drawn from here [s]")
+    before: PositiveFloat | None = Field(default=None, description="drawn up to here [s]")
+
+
+class Chart(Drawing):
+    """A number of each run, over a key of the experiment or side by side by group."""
+
+    measure: Number
+    x: str = Field(default="", description="dotted key whose value is the abscissa; empty: one column per group")
+    x_label: str = ""
+    x_scale: Scale = "linear"
+    marks: dict[str, float] = Field(default_factory=dict, description="text -> abscissa of a vertical line")
+
+
+class Grid(Chart):
+    """A number over two keys of the experiment, one cell per point of the sweep, with formulas drawn over it."""
+
+    y: str = Field(min_length=1, description="dotted key whose value is the ordinate")
+    y_label: str = ""
+    lines: dict[str, str] = Field(default_factory=dict, description="text -> ordinate as a formula over x")
+
+
+class Table(Strict):
+    """One row per group, per point of its sweep (all seeds together) or per run, one column per number."""
+
+    title: str = ""
+    rows: Literal["groups", "points", "runs"] = "groups"
+    of: Texts | None = Field(default=None, description="groups; default: all of the figure")
+    columns: dict[str, Number] = Field(min_length=1, description="heading -> number")
+    digits: Annotated[int, Field(ge=1, le=15)] = Field(default=4, description="significant digits")
+
+
+class Timing(Strict):
+    """How long one control cycle of the law takes on this machine, over the states and references of a flown run."""
+
+    of: Texts = Field(description="groups of one run each")
+    repeats: Annotated[int, Field(ge=10, le=10_000_000)] = 10_000
+
+
+class Bounds(Strict):
+    """A run has diverged if it did not complete or an error was ever larger than this."""
+
+    attitude: PositiveFloat = Field(default=90.0, description="angle of the attitude error [deg]; 180 is never reached")
+    joints: PositiveFloat = Field(default=180.0, description="largest joint error [deg]")
+    position: PositiveFloat = Field(default=10.0, description="position error of a free-flying base [m]")
+
+
+class Figure(Strict):
+    """A figure or table of the paper, or a study beyond it."""
+
+    title: str
+    kind: Literal["paper", "beyond"] = "paper"
+    caption: str = ""
+    runs: dict[str, RunGroup] = Field(min_length=1, description="label -> runs")
+    panels: tuple[Panel, ...] = ()
+    charts: tuple[Chart, ...] = ()
+    grids: tuple[Grid, ...] = ()
+    maps: tuple[StabilityMap, ...] = ()
+    tables: tuple[Table, ...] = ()
+    timing: Timing | None = None
+    diverged: Bounds = Field(default_factory=Bounds)
+    keep: Literal["all", "failed", "none"] | None = Field(
+        default=None, description=f"which bags stay; default: all of up to {KEEP_ALL_UP_TO} runs, else failed"
+    )
+    claims: tuple[Claim, ...] = ()
+
+
+class Manifest(Strict):
+    """One paper."""
+
+    title: str
+    citation: str
+    notes: str = Field(default="", description="on top of the page: what the paper leaves open")
+    figures: dict[str, Figure] = Field(min_length=1, description="number or name -> figure")

@@ -1,0 +1,100 @@
+"""One run in a worker: fly, judge, and bring back only the numbers that were asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.judge.verdict import PLANT_BOUNDS
+from space_robot_bringup.modes.headless import fly_in_memory, write_bag
+from space_robot_bringup.modes.hooks import Hooks
+from space_robot_bringup.modes.run import judge_ticks
+from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
+from space_robot_msgs_py.log.arrays import arrays_of
+from space_robot_msgs_py.log.writer import MemorySink
+from space_robot_studies.reproduce.measures import Flight, take
+from space_robot_studies.reproduce.process_pool import stop_reason
+from space_robot_studies.reproduce.quantities import Quantity
+from space_robot_studies.reproduce.signals import Signals
+
+# A picture is about this many dots wide; curves of longer runs are drawn by every k-th tick.
+DRAWN_TICKS = 2000
+Keep = Literal["all", "failed", "none"]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What a worker is to do.
+
+    Attributes:
+        argument: experiment, as ``load_experiment`` takes it.
+        overrides: likewise.
+        directory: of the bag.
+        quantities: to be taken of signals.
+        curves: signals to be drawn.
+        keep: whether the bag stays.
+    """
+
+    argument: str
+    overrides: tuple[str, ...]
+    directory: Path
+    quantities: tuple[Quantity, ...]
+    curves: tuple[str, ...]
+    keep: Keep
+
+
+def fly(job: Job) -> Flight:
+    """Fly a job; a run that fails is a result, not an error.
+
+    Raises:
+        SpaceRobotError: the log cannot be written.
+    """
+    try:
+        composition = compose(load_experiment(job.argument, job.overrides))
+    except SpaceRobotError as error:
+        # A draw of a campaign; all else was composed before.
+        return Flight(f"cannot be flown: {error}")
+    warnings = composition.review().warnings
+    sink = fly_in_memory(composition, Hooks(stop=stop_reason))
+    try:
+        flight = _look(job, composition, sink)
+    except NonFiniteError as error:
+        # It was flown, but its numbers overflow when they are judged.
+        flight = Flight(str(error))
+    keep = job.keep == "all" or (job.keep == "failed" and not flight.completed)
+    if keep:
+        write_bag(sink, composition, job.directory)
+    return replace(flight, warnings=warnings, bag=keep)
+
+
+def _look(job: Job, composition: Composition, sink: MemorySink) -> Flight:
+    reason = sink.end_reason or ""
+    metrics, checks = judge_ticks(sink.ticks, composition, reason)
+    if metrics is None:
+        return Flight(reason)
+    arrays = arrays_of(sink.ticks)
+    signals = Signals(arrays, composition)
+    stride = max(1, arrays.time.size // DRAWN_TICKS)
+    drawn = np.unique(np.append(np.arange(0, arrays.time.size, stride), arrays.time.size - 1))
+    return Flight(
+        end_reason=reason,
+        broken=tuple(check.name for check in checks if check.name in PLANT_BOUNDS and not check.passed),
+        metrics=metrics.flat(),
+        largest=_largest(signals),
+        taken={asked: take(asked, arrays.time, signals.of(asked.signal)) for asked in job.quantities},
+        time=arrays.time[drawn],
+        curves={name: signals.of(name)[drawn] for name in job.curves},
+    )
+
+
+def _largest(signals: Signals) -> dict[str, float]:
+    """The largest errors, by the names of ``Bounds``."""
+    names = {"attitude": "base.error", "joints": "joints.error"}
+    if signals.composition.nominal.base_mode == "free_flying":
+        names["position"] = "base.position_error"
+    return {bound: float(signals.of(name).max()) for bound, name in names.items()}

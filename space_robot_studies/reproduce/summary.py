@@ -1,0 +1,171 @@
+"""A reproduction as plain data: what the page shows and ``claims.json`` holds."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from space_robot_bringup.compose.composition import versions
+from space_robot_studies.reproduce.claims import Judgement, seed_text
+from space_robot_studies.reproduce.manifest import Figure, Table
+from space_robot_studies.reproduce.measures import FlownRun, Measured, reduce
+from space_robot_studies.reproduce.plan import Plan, PlannedRun, run_label
+from space_robot_studies.reproduce.quantities import Measure
+from space_robot_studies.reproduce.reproduction import RUNS, FlownFigure
+
+Data = dict[str, Any]
+STYLES = {"holds": "green", "does not hold": "yellow", "not checkable": "dim", "undecided": "red"}
+
+
+def summary(plan: Plan, flown: Sequence[FlownFigure], pictures: dict[str, str]) -> Data:
+    """Everything that was found, in numbers and words; no NaN, and of the wall clock only cycle times.
+
+    Args:
+        plan: of the paper.
+        flown: its figures.
+        pictures: file name by figure.
+    """
+    manifest = plan.manifest
+    return {
+        "paper": plan.name,
+        "command": shlex.join(["space-robot", "reproduce", plan.argument]),
+        "title": manifest.title,
+        "citation": manifest.citation,
+        "notes": manifest.notes,
+        "passed": passed(flown),
+        "runs": len({run.flight.name for figure in flown for run, _ in figure.runs}),
+        "versions": versions(),
+        "figures": [_figure(figure, pictures.get(figure.name)) for figure in flown],
+    }
+
+
+def passed(flown: Sequence[FlownFigure]) -> bool:
+    """Every verdict is the documented one, and no run failed that should not."""
+    return not any(figure.failures or any(one.changed for one in figure.judgements) for figure in flown)
+
+
+def _figure(flown: FlownFigure, picture: str | None) -> Data:
+    failed = [run.label for run, _ in flown.failures]
+    return {
+        "name": flown.name,
+        "title": flown.figure.title,
+        "kind": flown.figure.kind,
+        "caption": flown.figure.caption,
+        "picture": picture,
+        "claims": [_claim(judgement) for judgement in flown.judgements],
+        "tables": [_table(table, flown) for table in flown.figure.tables],
+        "timing": {group: asdict(times) for group, times in flown.times.items()},
+        "runs": [_run(pair, flown.figure) for pair in flown.runs],
+        "failed": failed,
+    }
+
+
+def _claim(judgement: Judgement) -> Data:
+    claim = judgement.claim
+    return {
+        "paper": claim.paper,
+        "verdict": judgement.verdict,
+        "documented": claim.verdict,
+        "changed": judgement.changed,
+        "found": judgement.found,
+        "because": claim.because,
+        "condition": claim.holds_if,
+        "measures": {name: _measure(claim.measures[name], measured) for name, measured in judgement.measured.items()},
+        "runs": judgement.runs,
+        "seeds": seed_text(judgement.seeds),
+        "draws": seed_text(judgement.draws),
+    }
+
+
+def _measure(measure: Measure, measured: Measured) -> Data:
+    where = "".join(f", {key} = {value}" for key, value in measure.where.items())
+    if (partners := measure.only_if) is not None:
+        where += f", where {', '.join(partners.groups)} have {partners.quantity} at the same seed"
+    meaning = f"{measure.quantity} of {', '.join(measure.groups)}{where}"
+    return {
+        "quantity": str(measure.quantity),
+        "meaning": f"{measure.reduce}: {meaning}" if measure.reduce else meaning,
+        "value": measured.value,
+        "runs": measured.runs,
+        "without": list(measured.without),
+        "missing": measure.missing,
+        "why": measured.why,
+    }
+
+
+def _table(table: Table, flown: FlownFigure) -> Data:
+    runs = [pair for pair in flown.runs if table.of is None or pair[0].group in table.of]
+    rows: dict[str, list[FlownRun]] = {}
+    for pair in runs:
+        rows.setdefault(_row(table, pair[0], flown.figure), []).append(pair)
+    cells = {
+        row: [reduce(number, members, flown.figure.diverged) for number in table.columns.values()]
+        for row, members in rows.items()
+    }
+    return {
+        "title": table.title,
+        "columns": list(table.columns),
+        "digits": table.digits,
+        "rows": {row: [_cell(one) for one in found] for row, found in cells.items()},
+    }
+
+
+def _row(table: Table, run: PlannedRun, figure: Figure) -> str:
+    """The label of the row that a run belongs to."""
+    if table.rows == "runs":
+        return run.label
+    if table.rows == "groups":
+        return run.group
+    return run_label(run.group, {key: run.values[key] for key in figure.runs[run.group].sweep})
+
+
+def _cell(measured: Measured) -> Data:
+    return {"value": measured.value, "runs": measured.runs, "without": len(measured.without)}
+
+
+def _run(pair: FlownRun, figure: Figure) -> Data:
+    run, flight = pair
+    broken = f"{', '.join(flight.broken)} beyond the plant's own bound" if flight.broken else ""
+    return {
+        "label": run.label,
+        "group": run.group,
+        "command": run.flight.command,
+        "seed": run.flight.experiment.seed,
+        "bag": f"{RUNS}/{run.flight.name}" if flight.bag else None,
+        "end_reason": broken or flight.end_reason,
+        "completed": flight.completed,
+        "diverged": flight.diverged(figure.diverged),
+        "warnings": list(flight.warnings),
+    }
+
+
+def heading(figure: Data) -> str:
+    """What a figure is called: ``Figure 8``, ``Figures 6-9``, ``Table 2`` for 8, 6-9, table2, else its own name."""
+    name = figure["name"]
+    if name.isdecimal():
+        name = f"Figure {name}"
+    elif re.fullmatch(r"\d+-\d+", name):
+        name = f"Figures {name}"
+    elif table := re.fullmatch(r"table[ -]?(\d+)", name):
+        name = f"Table {table[1]}"
+    beyond = " (beyond the paper)" if figure["kind"] == "beyond" else ""
+    return f"{name}: {figure['title']}{beyond}"
+
+
+def count(data: Data) -> str:
+    """How many claims have which verdict, from how many runs."""
+    verdicts = [claim["verdict"] for figure in data["figures"] for claim in figure["claims"]]
+    if not verdicts:
+        return f"no claims, {data['runs']} runs"
+    parts = [f"{verdicts.count(verdict)} {verdict}" for verdict in STYLES if verdict in verdicts]
+    return f"{len(verdicts)} claims ({', '.join(parts)}) from {data['runs']} runs"
+
+
+def sample(claim: Data) -> str:
+    """How many runs a claim is about, and which seeds or draws of a campaign they have."""
+    runs = "1 run" if claim["runs"] == 1 else f"{claim['runs']} runs"
+    sources = [f"{kind} {claim[f'{kind}s']}" for kind in ("seed", "draw") if claim[f"{kind}s"]]
+    return ", ".join([runs, *sources])
