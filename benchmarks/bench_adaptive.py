@@ -24,7 +24,7 @@ from space_robot_description.kernel.jit import bound
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, RobotState, Vector
-from tests.robots import arm_model, robot_of
+from tests.support.robots import arm_model, robot_of
 
 PERIOD, CYCLES, ROUNDS = 0.25, 200, 21
 UPDATES = ("none", "rls", "lyapunov", "composite")

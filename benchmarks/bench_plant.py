@@ -20,7 +20,7 @@ from space_robot_sim.kernel.arrays import robot_arrays
 from space_robot_sim.kernel.period import flight, fly
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from space_robot_sim.spec import IntegratorSpec
-from tests.robots import LivelyMotion, MujocoTwin, arm_model, robot_of
+from tests.support.robots import LivelyMotion, MujocoTwin, arm_model, robot_of
 
 PERIOD, PERIODS, REPEATS, JOINTS = 100_000_000, 20, 41, 7
 

@@ -12,7 +12,7 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.log.reader import LogReader
-from tests.integration.harness import flight
+from tests.support.harness import flight
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]

@@ -12,7 +12,7 @@ from space_robot_msgs_py.codec.codecs import CommandCodec, encode_string
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, JOINT_COMMAND, WRENCH_COMMAND
-from tests.integration.harness import Flight, flight
+from tests.support.harness import Flight, flight
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 WITHOUT_CONTROLLER = ("recorder", "guidance", "simulator")

@@ -17,8 +17,8 @@ from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.recover import recover
 from space_robot_msgs_py.log.writer import LogWriter
-from tests.integration.tool import Tool
-from tests.replays import fly, replayed
+from tests.support.replays import fly, replayed
+from tests.support.tool import Tool
 
 ATTEMPTS = 200
 

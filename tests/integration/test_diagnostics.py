@@ -11,7 +11,7 @@ pytest.importorskip("rclpy")
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from space_robot_msgs_py.topics import JOINT_COMMAND
-from tests.integration.harness import Flight, flight
+from tests.support.harness import Flight, flight
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 

@@ -12,11 +12,10 @@ import pytest
 from space_robot_bringup.modes.context import reserved_domain
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.log.reader import LogReader
+from tests.support.paths import ROOT
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize(("name", "block"), [("adaptive", "parameters"), ("ntsmc", "adaptive_gain")])

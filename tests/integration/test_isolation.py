@@ -11,7 +11,7 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
-from tests.integration.follow import ended
+from tests.support.follow import ended
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]

@@ -19,8 +19,8 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.context import reserved_domain
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
-from tests.integration.distribution import ROOT
-from tests.integration.follow import await_ticks
+from tests.support.distribution import ROOT
+from tests.support.follow import await_ticks
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("graph")]
 

@@ -21,8 +21,8 @@ from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Command, PlantSample, Tick
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.nodes.managed import bring_up
-from tests.integration.harness import Flight, flight
-from tests.replays import assert_equal, replayed
+from tests.support.harness import Flight, flight
+from tests.support.replays import assert_equal, replayed
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 SWITCH = "switch/mini"

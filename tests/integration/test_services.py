@@ -13,7 +13,7 @@ from std_srvs.srv import SetBool, Trigger
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
-from tests.integration.harness import Flight, flight
+from tests.support.harness import Flight, flight
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 

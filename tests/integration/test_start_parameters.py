@@ -13,6 +13,7 @@ import pytest
 from space_robot_bringup.compose.parameters import overrides_from
 from space_robot_bringup.nodes.arguments import Start, start_from
 from space_robot_msgs_py.errors import SpecError
+from tests.support.paths import ROOT
 
 pytest.importorskip("rclpy")
 from space_robot_bringup.experiment.experiment import load_experiment
@@ -23,7 +24,6 @@ from space_robot_msgs_py.log.reader import LogReader
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
-ROOT = Path(__file__).parents[2]
 Starter = Callable[..., "subprocess.Popen[str]"]
 ROLES = ("recorder", "guidance", "controller", "simulator")
 LAW = "examples/my_law.py:PdPlus"

@@ -18,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from space_robot_bringup.modes.run import judge_log
 from space_robot_msgs_py.log.reader import LogReader
-from tests.integration.harness import flight
+from tests.support.harness import flight
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 

@@ -19,7 +19,7 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.reader import LogReader
-from tests.integration.follow import await_ticks, ended, ticks_in
+from tests.support.follow import await_ticks, ended, ticks_in
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.netns, pytest.mark.xdist_group("hosts")]

@@ -1,0 +1,192 @@
+"""Bags that other tools wrote, with our topics in them: they replay, are shown and are recovered like ours."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mcap.writer import CompressionType
+from mcap_ros2.decoder import DecoderFactory
+from mcap_ros2.writer import Writer as McapRos2Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+
+from space_robot_bringup.logs.info import bag_info
+from space_robot_bringup.replay.replay import Replayed
+from space_robot_msgs_py.codec.schemas import schema_text, typestore
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.recover import recover
+from space_robot_msgs_py.topics import TABLE
+from tests.support.replays import fly, replayed
+from tests.support.tool import Tool, refused
+
+# A recording has wall times, and messages arrive in another order than they belong together.
+WALL, LATENCY = 1_750_000_000_000_000_000, {"reference/base": -300_000_000, "joint_command": 90_000_000}
+TYPES = {topic.name: topic.type for topic in TABLE}
+FORMS = ("rosbags", "sqlite", "message", "file", "storage", "lz4", "zstd", "plain", "split", "namespace")
+SHORT = "duration=3.0"
+
+
+@pytest.fixture(scope="module")
+def ours(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three seconds of a noisy flight."""
+    return fly(tmp_path_factory.mktemp("logs") / "run", "liu2023/noise", SHORT)
+
+
+def recorded(log: Path, drop: tuple[str, ...] = ()) -> Iterator[tuple[str, int, bytes]]:
+    """Topic, time and bytes of every message, as a recorder would have heard them."""
+    heard = [
+        (WALL + stamp + LATENCY.get(name, 0), name, raw)
+        for name, stamp, raw in LogReader(log).messages()
+        if name in TYPES and not name.startswith("/tf") and name not in drop
+    ]
+    for time, name, raw in sorted(heard, key=lambda item: item[0]):
+        yield name, time, dirty(raw)
+
+
+def dirty(raw: bytes) -> bytes:
+    """The same message with options in its encapsulation and bytes behind it, as Fast DDS sends it."""
+    return raw[:2] + b"\x00\x03" + raw[4:] + b"\x00" * 3
+
+
+def write(form: str, log: Path, place: Path, drop: tuple[str, ...] = ()) -> Path:
+    """A bag of that form."""
+    if form in ("rosbags", "sqlite", "message", "file", "storage"):
+        with_rosbags(form, log, place, drop)
+    elif form == "split":
+        messages = list(recorded(log, drop))
+        third = len(messages) // 3
+        place.mkdir()
+        # The tenth file comes after the second, whatever the alphabet says.
+        for number, part in enumerate((messages[:third], messages[third : 2 * third], messages[2 * third :])):
+            with_mcap(place / f"{place.name}_{(2, 9, 10)[number]}.mcap", part, CompressionType.ZSTD)
+    else:
+        place.mkdir()
+        kind = {"lz4": CompressionType.LZ4, "zstd": CompressionType.ZSTD}.get(form, CompressionType.NONE)
+        prefix = "/robot1" if form == "namespace" else ""
+        with_mcap(place / f"{place.name}_0.mcap", recorded(log, drop), kind, prefix)
+    return place
+
+
+def with_rosbags(form: str, log: Path, place: Path, drop: tuple[str, ...]) -> None:
+    plugin = StoragePlugin.MCAP if form in ("rosbags", "storage") else StoragePlugin.SQLITE3
+    writer = Writer(place, version=9, storage_plugin=plugin)
+    if form in ("message", "file", "storage"):
+        writer.set_compression(CompressionMode[form.upper()], CompressionFormat.ZSTD)
+    with writer:
+        connections: dict[str, Any] = {}
+        for name, time, raw in recorded(log, drop):
+            if name not in connections:
+                connections[name] = writer.add_connection(f"/{name}", TYPES[name], typestore=typestore())
+            writer.write(connections[name], time, raw)
+
+
+def with_mcap(path: Path, messages: Any, compression: CompressionType, prefix: str = "") -> None:
+    """As mcap_ros2 writes: decoded and encoded again by its own code."""
+    with path.open("wb") as stream:
+        writer = McapRos2Writer(stream, chunk_size=40_000, compression=compression)
+        schemas = {ros_type: writer.register_msgdef(ros_type, schema_text(ros_type)) for ros_type in TYPES.values()}
+        for name, time, raw in messages:
+            schema = schemas[TYPES[name]]
+            decode = DecoderFactory().decoder_for("cdr", schema)
+            assert decode is not None
+            writer.write_message(f"{prefix}/{name}", schema, decode(raw), log_time=time, publish_time=time)
+        writer.finish()
+
+
+def run(bag: Path, **order: Any) -> Replayed:
+    return replayed(bag, experiment="liu2023/noise", overrides=[SHORT], **order)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_bags_of_other_tools_replay_to_the_bit(ours: Path, tmp_path: Path, form: str) -> None:
+    """Whatever the tool, chunks, compression, split, order and padding: controller and plant are equal."""
+    bag = write(form, ours, tmp_path / "bag")
+    done = run(bag, namespace="robot1" if form == "namespace" else "")
+    for outcome in done.outcomes:
+        assert outcome.first is None
+        assert outcome.absent == ()
+        assert outcome.ticks == sum(1 for _ in LogReader(ours).ticks())
+    found = bag_info(bag)
+    assert found.messages == sum(topic.count for topic in bag_info(ours).topics if not topic.name.startswith("/tf"))
+    assert found.damage == ()
+    assert found.verdict.passed is None
+    assert {
+        topic.name.removeprefix("/robot1").lstrip("/"): topic.type for topic in found.topics
+    }.items() <= TYPES.items()
+
+
+def test_another_gain_shows_in_a_foreign_bag_too(ours: Path, tmp_path: Path) -> None:
+    """The comparison is not for show."""
+    bag = write("lz4", ours, tmp_path / "bag")
+    done = replayed(bag, experiment="liu2023/noise", overrides=[SHORT, "controller.gains.lambda=0.7"])
+    assert [outcome.equal for outcome in done.outcomes] == [False, True]
+
+
+def test_what_is_missing_comes_from_the_experiment_or_is_named(ours: Path, tmp_path: Path) -> None:
+    """References are functions of time; telemetry is not compared and named; states there must be."""
+    references = tuple(topic.name for topic in TABLE if topic.kind == "reference")
+    bag = write("zstd", ours, tmp_path / "bag", (*references, "controller/telemetry", "plant/telemetry"))
+    done = run(bag)
+    assert [outcome.equal for outcome in done.outcomes] == [True, True]
+    assert [outcome.absent for outcome in done.outcomes] == [("controller/telemetry",), ("plant/telemetry",)]
+    poor = write("zstd", ours, tmp_path / "poor", ("joint_states", "joint_command"))
+    with pytest.raises(OSError, match=r"nothing to compare with a controller.*joint_states"):
+        run(poor)
+
+
+def test_without_an_experiment_the_tool_says_what_it_needs(space_robot: Tool, ours: Path, tmp_path: Path) -> None:
+    """No header, another namespace, another period, another robot: one line each, with what would do."""
+    write("zstd", ours, tmp_path / "bag")
+    write("namespace", ours, tmp_path / "spaced")
+    options = ("--experiment", "liu2023/noise", "--set", SHORT)
+    refused(space_robot("replay", "bag"), "--experiment")
+    refused(space_robot("replay", "spaced", *options), "none of our topics", "--namespace robot1")
+    refused(
+        space_robot("replay", "bag", *options, "--set", "control_period=0.5"), "control_period", "what was recorded"
+    )
+    refused(space_robot("replay", "bag", "--experiment", "compare/servicer"), "bag")
+    assert space_robot("replay", "spaced", *options, "--namespace", "/robot1").returncode == 0
+    refused(space_robot("replay", "bag", *options, "--update-refs", "--json"), "flown again")
+
+
+def test_info_of_a_foreign_bag(space_robot: Tool, ours: Path, tmp_path: Path) -> None:
+    """Topics, types, rates and times are those of the bag; there is no verdict without an experiment, and no NaN."""
+    write("split", ours, tmp_path / "bag")
+    said = json.loads(space_robot("info", "bag", "--json").stdout)
+    topics = {topic["name"]: topic for topic in said["topics"]}
+    period = LogReader(ours).arrays().time[1]
+    assert topics["/base/odom"]["rate"] == pytest.approx(1.0 / period)
+    assert topics["/base/odom"]["first"] == WALL
+    assert said["passed"] is None
+    assert "no experiment" in said["why_not"]
+    assert "/base/odom" in space_robot("info", "bag").stdout
+
+
+@pytest.mark.parametrize("form", ["rosbags", "lz4", "split"])
+def test_foreign_bags_are_recovered(ours: Path, tmp_path: Path, form: str) -> None:
+    """Several files become one, with the names, types and times of the messages; a cut one gives its beginning."""
+    bag = write(form, ours, tmp_path / "bag")
+    before = bag_info(bag)
+    done = recover(bag, tmp_path / "good")
+    after = bag_info(tmp_path / "good")
+    assert done.damage == ()
+    assert {t.name: (t.type, t.count, t.first) for t in after.topics} == {
+        t.name: (t.type, t.count, t.first) for t in before.topics
+    }
+    assert [outcome.equal for outcome in run(tmp_path / "good").outcomes] == [True, True]
+    last = sorted(bag.glob("*.mcap"))[-1]
+    share = 4 if form == "split" else 2  # of a third of the messages, or of all
+    last.write_bytes(last.read_bytes()[: last.stat().st_size // share])
+    cut = recover(bag, tmp_path / "rest")
+    assert 0 < sum(cut.kept.values()) < sum(done.kept.values())
+    assert cut.damage
+
+
+def test_what_is_no_mcap_is_not_recovered(space_robot: Tool, ours: Path, tmp_path: Path) -> None:
+    """SQLite has tools of its own for that: one line, and no directory."""
+    write("sqlite", ours, tmp_path / "bag")
+    refused(space_robot("recover", "bag"), "plain MCAP")
+    assert not (tmp_path / "bag_recovered").exists()

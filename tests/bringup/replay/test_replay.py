@@ -1,0 +1,321 @@
+"""What a replay says when something is different, and when a log holds less than it should."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.replay.comparison import Divergence, Tolerance
+from space_robot_bringup.replay.golden import refly
+from space_robot_bringup.replay.replay import Replayed
+from space_robot_bringup.replay.result import Outcome
+from space_robot_control.laws.switching import Switching
+from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
+from space_robot_msgs_py.interfaces import Tick
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink, LogWriter
+from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND
+from tests.support.replays import assert_equal, fly, replayed
+from tests.support.tool import Tool, refused
+
+SHORT = "duration=5.0"
+PERIOD = 250_000_000
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Five seconds of fig08, 21 ticks."""
+    return fly(tmp_path_factory.mktemp("logs") / "fig08", "liu2023/fig08", SHORT)
+
+
+def rewritten(source: Path, place: Path, change: object = None, drop: tuple[str, ...] = (), end: str = "") -> Path:
+    """A copy of a log; ``change(stamp, parts)`` may alter the messages of a stamp, or leave it out by None."""
+    reader = LogReader(source)
+    writer = LogWriter(place, reader.header)
+    writer.write_description(reader.header.urdf)
+    for stamp, parts in reader.stamps():
+        kept = {name: raw for name, raw in parts.items() if name not in drop}
+        altered = change(stamp, kept) if callable(change) else kept
+        if altered is not None:
+            writer.write_tick(stamp, {topic: altered[topic.name] for topic in LOGGED if topic.name in altered})
+    writer.close(end or reader.end_reason or "cut")
+    return place
+
+
+def one(done: Replayed) -> Outcome:
+    (outcome,) = done.outcomes
+    return outcome
+
+
+def first(outcome: Outcome) -> Divergence:
+    assert outcome.first is not None
+    return outcome.first
+
+
+def test_another_gain_is_found_at_once_and_named(bag: Path) -> None:
+    """An overridden gain shows in the first command, with the field, both values and what was changed."""
+    done = replayed(bag, overrides=["controller.gains.kappa=1.000001"])
+    controller, plant = done.outcomes
+    found = first(controller)
+    assert (found.stamp, found.topic) == (0, "base/wrench_command")
+    assert found.field.startswith("wrench.torque.")
+    assert isinstance(found.recorded, float)
+    assert isinstance(found.fresh, float)
+    assert found.recorded != found.fresh
+    assert done.recording.changes == {"controller.gains.kappa": (1.0, 1.000001)}
+    assert plant.equal
+    assert not done.equal
+
+
+def test_another_law_flies_the_recorded_states(bag: Path) -> None:
+    """With another law the commands are compared and its telemetry has blocks the log has not."""
+    done = replayed(bag, against="controller", overrides=["controller.law=pd"])
+    assert one(done).ticks == 21
+    places = {(topic, block) for topic, block in one(done).comparison.worst}
+    assert ("joint_command", "effort") in places
+    fresh_only = [d for d in one(done).comparison.worst.values() if d.recorded is None]
+    recorded_only = [d for d in one(done).comparison.worst.values() if d.fresh is None]
+    assert fresh_only or recorded_only
+
+
+def test_a_plant_that_is_otherwise_shows_in_the_state(bag: Path) -> None:
+    """A payload nobody told of moves the states, not the commands that answer the recorded ones."""
+    done = replayed(bag, overrides=["plant.payload={mass: 1.0e-3, inertia: [1.0e-6, 1.0e-6, 1.0e-6]}"])
+    controller, plant = done.outcomes
+    assert controller.equal
+    assert first(plant).stamp == 0 or first(plant).stamp == PERIOD
+    assert "plant.payload.mass" in done.recording.changes
+
+
+def test_tolerances_forgive_what_is_small(bag: Path) -> None:
+    """The same difference passes with a tolerance above it and not with one below it."""
+    overrides = ["controller.gains.kappa=1.000001"]
+    for atol, equal in ((1e-5, True), (1e-8, False)):
+        outcome = one(replayed(bag, against="controller", overrides=overrides, tolerance=Tolerance(atol=atol)))
+        assert outcome.equal is equal
+
+
+def test_what_is_ignored_is_not_compared(bag: Path) -> None:
+    """A topic, or one block of it, can be left out by name."""
+    order = {"against": "controller", "overrides": ["controller.gains.kappa=1.000001"]}
+    ignore = ("base/wrench_command", "joint_command")
+    outcome = one(replayed(bag, **order, tolerance=Tolerance(ignore=ignore)))
+    assert first(outcome).topic == CONTROLLER_TELEMETRY.name
+    blocks = {block for topic, block in outcome.comparison.worst if topic == CONTROLLER_TELEMETRY.name}
+    ignore += tuple(f"{CONTROLLER_TELEMETRY.name}/{block}" for block in blocks)
+    assert one(replayed(bag, **order, tolerance=Tolerance(ignore=ignore))).equal
+
+
+def test_one_changed_number_is_the_only_difference(bag: Path, tmp_path: Path) -> None:
+    """A command altered in its last bit is found: this stamp, this joint, and nothing else against the controller."""
+
+    def change(stamp: int, parts: dict[str, bytes]) -> dict[str, bytes]:
+        raw = bytearray(parts[JOINT_COMMAND.name])
+        raw[-16] ^= (stamp == 3 * PERIOD) * 1
+        return parts | {JOINT_COMMAND.name: bytes(raw)}
+
+    controller, plant = replayed(rewritten(bag, tmp_path / "run", change)).outcomes
+    found = first(controller)
+    assert (found.topic, found.stamp, found.field) == ("joint_command", 3 * PERIOD, "effort[joint3]")
+    assert list(controller.comparison.differing.values()) == [1]
+    assert first(plant).stamp == 4 * PERIOD
+
+
+def test_a_cut_log_is_compared_to_its_end(bag: Path, tmp_path: Path) -> None:
+    """A log without the end of its run replays as far as it goes."""
+    cut = rewritten(bag, tmp_path / "run", lambda stamp, parts: parts if stamp < 9 * PERIOD else None)
+    done = replayed(cut)
+    assert done.equal
+    assert [outcome.ticks for outcome in done.outcomes] == [9, 9]
+
+
+def test_a_gap_ends_the_comparison_and_is_said(bag: Path, tmp_path: Path) -> None:
+    """After a missing tick neither law nor plant knows the past: what follows is not compared, and a note says so."""
+    gap = rewritten(bag, tmp_path / "run", lambda stamp, parts: None if stamp == 5 * PERIOD else parts)
+    for outcome in replayed(gap).outcomes:
+        assert outcome.equal
+        assert outcome.ticks == 5
+        assert "states are missing between" in outcome.remarks[-1]
+
+
+def test_a_controller_without_telemetry_is_compared_by_its_commands(bag: Path, tmp_path: Path) -> None:
+    """Topics that are not in a log are named, and what is there is compared."""
+    bare = rewritten(bag, tmp_path / "run", drop=("controller/telemetry", "reference/base", "base/imu"))
+    outcome = one(replayed(rewritten(bag, tmp_path / "two", drop=("controller/telemetry",)), against="controller"))
+    assert outcome.equal
+    assert outcome.absent == ("controller/telemetry",)
+    with pytest.raises(OSError, match="nothing to compare"):
+        replayed(bare, against="controller")
+
+
+def test_what_a_paced_run_misses_is_missed_again(tmp_path: Path) -> None:
+    """Where the telemetry says that an older command acted, the fresh plant gets that one; nobody is asked twice."""
+    done = replayed(fly_with_losses(tmp_path / "paced", "liu2023/fig11"))
+    assert done.equal, [outcome.first for outcome in done.outcomes]
+    assert "states have no recorded answer" in done.outcomes[0].remarks[0]
+    assert "flown with an older command" in done.outcomes[1].remarks[0]
+
+
+def fly_with_losses(place: Path, experiment: str) -> Path:
+    """What a paced run leaves: commands that came one period late, and some that never came."""
+    composition = compose(load_experiment(experiment, [SHORT]))
+    plant, law, reference = composition.plant(), composition.controller(), composition.reference()
+    codec, writer = TickCodec(composition.joint_names), LogWriter(place, composition.header)
+    writer.write_description(composition.header.urdf)
+    sample, late = plant.reset(), None
+    for index in range(21):
+        asked = reference.at(sample.state.stamp)
+        if index % 7 == 3:
+            # Nobody is there to answer, and who comes then starts anew.
+            law.start_anew()
+            row = codec.encode_unanswered(sample, asked)
+            due, late = late, None
+        else:
+            output = law.update(sample.state, asked)
+            row = codec.encode(Tick(sample, asked, output))
+            due = late if index % 7 == 2 else output.command
+            late = output.command if index % 7 in (2, 5) else None
+        writer.write_tick(sample.state.stamp, {t: raw for t, raw in zip(LOGGED, row, strict=True) if raw is not None})
+        sample = plant.step(due)
+    writer.close("completed")
+    return place
+
+
+def test_gains_changed_in_flight_are_changed_again(tmp_path: Path) -> None:
+    """A run in which gains were set at some state replays with them set there; without the event it differs there."""
+    bag = tuned(tmp_path / "run", {7: {"gains.damping": 0.8}, 15: {"gains.damping": 0.7}})
+    assert_equal(bag)
+    names = ("controller/events",)
+    forgotten = one(replayed(rewritten(bag, tmp_path / "forgotten", drop=names), against="controller"))
+    assert first(forgotten).stamp == 7 * PERIOD
+    other = replayed(bag, against="controller", overrides=["controller.law=none"])
+    assert "do not fit" in one(other).remarks[0]
+
+
+def test_switches_in_flight_are_made_again(tmp_path: Path) -> None:
+    """A switch that somebody asked for replays where it happened; scheduled ones come by themselves."""
+    bag = tuned(tmp_path / "run", {6: "ntsmc", 13: "mfac"}, "switch/mini", "controller.switches=[]")
+    assert_equal(bag)
+    assert not refly(replayed(bag).recording), "the same flight, switches and all, is another file"
+    forgotten = rewritten(bag, tmp_path / "forgotten", drop=("controller/events",))
+    assert first(one(replayed(forgotten, against="controller"))).stamp == 6 * PERIOD
+    assert_equal(fly(tmp_path / "scheduled", "switch/mini", SHORT, "controller.switches=[{time: 2.0, to: ntsmc}]"))
+
+
+def tuned(
+    place: Path,
+    changes: dict[int, Any],
+    experiment: str = "compare/mini",
+    override: str = "controller.law=computed_torque",
+) -> Path:
+    """A flight whose gains are set, or whose law is switched, at some ticks."""
+    composition = compose(load_experiment(experiment, [SHORT, override]))
+    plant, law, reference = composition.plant(), composition.controller(), composition.reference()
+    sink = LogSink(place, composition.header)
+    sample = plant.reset()
+    for index in range(21):
+        if isinstance(changes.get(index), str):
+            assert isinstance(law, Switching)
+            law.switch_to(changes[index])
+        elif index in changes:
+            law.tune(changes[index])
+        asked = reference.at(sample.state.stamp)
+        output = law.update(sample.state, asked)
+        sink.record(Tick(sample, asked, output))
+        sample = plant.step(output.command)
+    sink.close("completed")
+    return place
+
+
+@pytest.mark.parametrize("law", ["gives_up", "none"])
+def test_a_run_that_ended_with_an_error_ends_so_again(tmp_path: Path, law: str) -> None:
+    """The reason of the end is compared too: the same law gives up at the same state with the same words."""
+    name = "tests.support.laws:GivesUp" if law == "gives_up" else "none"
+    bag = fly(tmp_path / "run", "compare/mini", SHORT, f"controller.law={name}")
+    assert_equal_up_to_the_end(replayed(bag))
+    if law == "gives_up":
+        other = replayed(bag, against="controller", overrides=["controller.law=none"])
+        assert first(one(other)).field in ("patience", "answer")
+        forged = rewritten(bag, tmp_path / "forged", end="controller: out of fuel")
+        assert first(one(replayed(forged, against="controller"))).recorded == "controller: out of fuel"
+
+
+def assert_equal_up_to_the_end(done: Replayed) -> None:
+    assert [outcome.first for outcome in done.outcomes] == [None, None]
+
+
+def test_a_plant_that_broke_breaks_again(tmp_path: Path) -> None:
+    """An integration that failed in the run fails in the replay, with the same reason."""
+    broken = ("initial.angular_velocity=[1.0e14, 0, 0]", "controller.law=none")
+    bag = fly(tmp_path / "run", "compare/mini", SHORT, *broken)
+    assert (LogReader(bag).end_reason or "").startswith("simulator: ")
+    assert_equal_up_to_the_end(replayed(bag))
+    forged = rewritten(bag, tmp_path / "forged", end="simulator: out of fuel")
+    assert first(one(replayed(forged, against="plant"))).field == "state"
+
+
+def test_the_tool_says_it_and_exits_by_it(space_robot: Tool, bag: Path) -> None:
+    """0 where everything is equal, 1 where not; JSON says the same as the lines."""
+    done = space_robot("replay", str(bag))
+    assert done.returncode == 0, done.stderr
+    assert "controller: EQUAL" in done.stdout
+    assert "plant: EQUAL" in done.stdout
+    done = space_robot("replay", str(bag), "--set", "controller.gains.kappa=1.000001", "--against", "controller")
+    assert done.returncode == 1
+    for words in ("changed: controller.gains.kappa was 1.0, is 1.000001", "DIFFERENT", "first: base/wrench_command at"):
+        assert words in done.stdout
+    done = space_robot("replay", str(bag), "--set", "controller.gains.kappa=1.000001", "--json")
+    assert done.returncode == 1
+    said = json.loads(done.stdout)
+    assert [(side["against"], side["equal"]) for side in said["replays"]] == [("controller", False), ("plant", True)]
+    assert said["replays"][0]["first"]["stamp"] == 0
+    assert space_robot("replay", str(bag), str(bag), "--rtol", "1e-9").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--against", "wall"), ("--against", "wall", "controller")),
+        (("--rtol", "nan"), ("--rtol", "nan")),
+        (("--atol", "-1"), ("--atol", "-1")),
+        (("--ignore", "base/odometer"), ("--ignore", "base/odometer", "base/odom")),
+        (("--set", "controller.gains.kapa=1"), ("kapa", "kappa")),
+        (("--set", "control_period=0.1"), ("control_period",)),
+        (("--experiment", "nowhere"), ("nowhere",)),
+    ],
+)
+def test_bad_orders_get_one_line(
+    space_robot: Tool, bag: Path, arguments: tuple[str, ...], words: tuple[str, ...]
+) -> None:
+    """A wrong option is named with what would do, exit 2."""
+    refused(space_robot("replay", str(bag), *arguments), *words)
+
+
+def test_no_bag_gets_one_line(space_robot: Tool, tmp_path: Path) -> None:
+    """No bag, or an empty directory, is one line and exit 2."""
+    refused(space_robot("replay", "nowhere"), "nowhere")
+    (tmp_path / "empty").mkdir()
+    refused(space_robot("replay", "empty"), "empty")
+
+
+def test_references_are_made_new_whole_or_not_at_all(space_robot: Tool, bag: Path, tmp_path: Path) -> None:
+    """--update-refs says what is different, flies again and replaces the bag, which then replays; or leaves it."""
+    altered = rewritten(bag, tmp_path / "ref", lambda stamp, parts: parts if stamp < 9 * PERIOD else None)
+    before = (altered / "ref_0.mcap").read_bytes()
+    done = space_robot("replay", "ref", "--update-refs")
+    assert done.returncode == 0
+    assert "replaced by a new flight" in done.stderr
+    assert (altered / "ref_0.mcap").read_bytes() != before
+    assert (altered / "ref_0.mcap").read_bytes() == next(bag.glob("*.mcap")).read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["ref"]
+    assert sorted(path.name for path in altered.iterdir()) == ["metadata.yaml", "ref_0.mcap"]
+    assert "up to date" in space_robot("replay", "ref", "--update-refs").stderr
+    kept = (altered / "ref_0.mcap").read_bytes()
+    done = space_robot("replay", "ref", "--update-refs", "--set", "controller.law=tests.support.laws:GivesUp")
+    refused(done, "ends otherwise", "enough")
+    assert (altered / "ref_0.mcap").read_bytes() == kept

@@ -1,0 +1,354 @@
+"""The adaptive law: proven decrease, convergence, both readings of Lambda, the sampled rule, and how it fails."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.experiment import experiment_from
+from space_robot_bringup.modes import headless
+from space_robot_control.laws import make_law
+from space_robot_control.laws.adaptive.euler_coordinates import euler_state
+from space_robot_control.laws.adaptive.regressor import Regressor
+from space_robot_control.nominal_model import NominalModel
+from space_robot_control.rotations import from_rpy
+from space_robot_control.sampled_stability import stable_lambda
+from space_robot_description.inertia import inertial_parameters
+from space_robot_description.load import load_robot
+from space_robot_msgs_py.errors import ControlError, SpecError
+from space_robot_msgs_py.interfaces import Reference, RobotState, Tick, Vector
+from space_robot_msgs_py.log.writer import MemorySink
+from tests.support.values import bits
+
+WAVES = {
+    "kind": "harmonic",
+    "roll": {"amplitude_deg": 10, "frequency": 0.05},
+    "joints": [(), *({"amplitude_deg": 10, "frequency": 0.05},) * 3],
+}
+ALL_AXES = {
+    "kind": "harmonic",
+    **{name: {"amplitude_deg": 8, "frequency": 0.01 * k} for k, name in enumerate(("roll", "pitch", "yaw"), 3)},
+    "joints": [{"amplitude_deg": 10, "frequency": 0.01 * k} for k in range(5, 9)],
+}
+PRIOR = {"dispersion": {"eta": 0.2, "inconsistent": "keep"}}
+
+
+def fly(gains: dict[str, Any], **changes: Any) -> tuple[Composition, list[Tick], str]:
+    """Fly `mini` through the waves of Fig. 11 under the adaptive law, with changes to the experiment."""
+    experiment = {
+        "robot": "mini",
+        "control_period": 0.25,
+        "duration": 60.0,
+        "seed": 1,
+        "initial": {"joints_deg": [90, 45, 45, 0]},
+        "reference": WAVES,
+        "controller": {"law": "adaptive", "gains": gains},
+    }
+    composition, sink = compose(experiment_from(experiment | changes, "test")), MemorySink()
+    parts = composition.plant(), composition.controller(), composition.reference()
+    reason = headless.run(*parts, steps=composition.experiment.steps, sink=sink)
+    return composition, sink.ticks, reason
+
+
+def block(ticks: list[Tick], label: str) -> Vector:
+    """One telemetry block over time."""
+    return np.array([tick.output.telemetry[label] for tick in ticks])
+
+
+def rms(ticks: list[Tick], start: float = 0.0) -> float:
+    """Root mean square of all errors from a time on [rad]."""
+    late = [tick for tick in ticks if tick.stamp >= 1e9 * start]
+    return float(np.sqrt(np.mean(np.hstack([block(late, "euler_error"), block(late, "joint_error")]) ** 2)))
+
+
+def distance(composition: Composition, ticks: list[Tick]) -> Vector:
+    """(1+n, 10) relative error of the last estimate."""
+    truth = inertial_parameters(composition.truth)
+    return (ticks[-1].output.telemetry["parameters"].reshape(truth.shape) - truth) / np.abs(truth).max(1)[:, None]
+
+
+def lyapunov_function(composition: Composition, ticks: list[Tick], gamma: float) -> Vector:
+    """(42) along a run with the true mass matrix and the true parameter error, which no law can know."""
+    regressor, truth = Regressor(composition.truth), inertial_parameters(composition.truth).ravel()
+    weight = 1.0 / (gamma * (np.abs(inertial_parameters(composition.nominal).ravel()) + 1e-3) ** 2)
+    damping = Regressor(composition.nominal).reduced_mass_matrix(euler_state(ticks[0].sample.state)[0])
+    values = []
+    for tick in ticks:
+        telemetry = tick.output.telemetry
+        x, _ = euler_state(tick.sample.state)
+        sigma = np.array([*telemetry["sliding_variable"][:3][::-1], *telemetry["sliding_variable"][3:]])
+        error = np.array([*telemetry["euler_error"][::-1], *telemetry["joint_error"]])
+        off = telemetry["parameters"] - truth
+        kinetic = 0.5 * sigma @ regressor.reduced_mass_matrix(x) @ sigma
+        values.append(kinetic + error @ damping @ error + 0.5 * weight @ off**2)
+    return np.array(values)
+
+
+def test_lyapunov_function_decreases_at_ten_milliseconds() -> None:
+    """With the update (44), no noise and T = 10 ms, (42) falls at every period down to what the hold leaves."""
+    gains = {"update": "lyapunov", "tracking": {"gain": 1000}, "lead": True}
+    composition, ticks, reason = fly(gains, control_period=0.01, duration=20.0, nominal=PRIOR)
+    value = lyapunov_function(composition, ticks, 1000.0)
+    assert reason == "completed"
+    assert np.diff(value).max() < 1e-6 * value[0]
+    assert value[-1] < 0.97 * value[0]
+
+
+@pytest.mark.parametrize("update", ["rls", "composite"])
+def test_excited_directions_are_found_and_the_others_left_alone(update: str) -> None:
+    """With base roll and three joints moving, Ixx of the base is corrected, Iyy and Izz keep the error of the prior."""
+    composition, ticks, _ = fly({"update": update, "lead": True}, nominal=PRIOR, duration=100.0)
+    before = inertial_parameters(composition.nominal)[0] / inertial_parameters(composition.truth)[0] - 1.0
+    after = ticks[-1].output.telemetry["parameters"][:10] / inertial_parameters(composition.truth)[0] - 1.0
+    assert abs(before[4]) > 0.15
+    assert abs(after[4]) < 0.01
+    assert after[[6, 9]] == pytest.approx(before[[6, 9]], abs=0.002)
+
+
+def test_exciting_all_axes_recovers_all_inertias_of_the_base() -> None:
+    """With every degree of freedom moving, Ixx, Iyy and Izz of the base converge to the truth within 1 %."""
+    composition, ticks, _ = fly({"lead": True}, reference=ALL_AXES, nominal=PRIOR, duration=120.0)
+    assert np.abs(distance(composition, ticks)[0, [4, 6, 9]]).max() < 0.01
+
+
+@pytest.mark.parametrize("update", ["rls", "lyapunov", "composite"])
+def test_correcting_the_parameters_tracks_better_than_not_to(update: str) -> None:
+    """From a prior 20 % off, each update ends with less than a third of the error without one."""
+    _, fixed, _ = fly({"update": "none", "lead": True}, nominal=PRIOR)
+    _, learned, reason = fly({"update": update, "lead": True}, nominal=PRIOR)
+    assert reason == "completed"
+    assert rms(learned, 30.0) < rms(fixed, 30.0) / 3.0
+
+
+def test_half_a_period_of_lead_removes_the_error_of_the_hold() -> None:
+    """With exact parameters at T = 0.25 s the lead leaves less than a fifth of the tracking error."""
+    errors = [rms(fly({"update": "none", "lead": lead})[1]) for lead in (False, True)]
+    assert errors[1] < errors[0] / 5.0
+
+
+@pytest.mark.parametrize("name", ["mini", "ur5_sat", "panda_sat", "servicer", "ets7"])
+@pytest.mark.parametrize("update", ["rls", "lyapunov"])
+def test_every_shipped_robot_is_tracked_with_a_wrong_prior(name: str, update: str) -> None:
+    """Free-floating or free-flying, four to eight joints: 0.1 deg of tracking from a prior 10 % off."""
+    reference = {"kind": "quintic", "duration": 30.0, "attitude_deg": [5, -5, 10], "joints_by_deg": 10}
+    _, ticks, reason = fly(
+        {"update": update, "lead": True},
+        robot=name,
+        initial={},
+        reference=reference,
+        nominal={"dispersion": {"eta": 0.1, "inconsistent": "keep"}},
+    )
+    assert reason == "completed"
+    assert np.degrees(rms(ticks)) < 0.1
+
+
+def test_a_payload_captured_in_flight_is_learned() -> None:
+    """3 kg on a 2 kg antenna at 20 s: with the reset the error ends below a twentieth of that without update."""
+    payload = {"mass": 3.0, "inertia": [0.02, 0.02, 0.03], "pose": {"xyz": [0.0, 0.0, 0.1]}}
+    plant = {"capture": {"time": 20.0, "payload": payload}}
+    _, fixed, _ = fly({"update": "none", "lead": True}, plant=plant)
+    _, learned, _ = fly({"update": "rls", "lead": True}, plant=plant)
+    assert block(learned, "resets")[-1] == 1.0
+    assert block(learned, "resets")[80] == 0.0
+    assert rms(learned, 40.0) < rms(fixed, 40.0) / 20.0
+
+
+def test_readings_of_lambda_have_the_poles_they_should() -> None:
+    """Position: real poles, no overshoot. Velocity: s^2 + kappa (Lambda s + 1), which overshoots like that mode."""
+    step = {"kind": "step", "attitude_deg": [1, 0, 0]}
+    overshoot = {}
+    for reading in ("position", "velocity"):
+        gains = {"update": "none", "lambda": 0.8, "lambda_on": reading}
+        _, ticks, _ = fly(gains, reference=step, control_period=0.05, duration=30.0)
+        roll = 1.0 - np.degrees(block(ticks, "euler_error")[:, 0])
+        overshoot[reading] = roll.max() - 1.0
+    damping = 0.4
+    ideal = np.exp(-np.pi * damping / np.sqrt(1.0 - damping**2))
+    assert overshoot["position"] < 1e-3
+    assert overshoot["velocity"] == pytest.approx(ideal, abs=0.03)
+
+
+GRID = [
+    (on, lead, period, decay)
+    for on in ("position", "velocity")
+    for lead in (False, True)
+    for period in (0.1, 0.5, 1.0)
+    for decay in (0.3, 1.0, 1.9)
+]
+
+
+@pytest.mark.parametrize(("on", "lead", "period", "decay"), GRID)
+def test_the_sampled_rule_is_where_a_held_mode_begins_to_grow(on: Any, lead: bool, period: float, decay: float) -> None:
+    """Inside the interval the held mode of rate d decays, just outside it grows, by the eigenvalues of one period."""
+    low, high = stable_lambda(period, decay, on=on, lead=lead)
+
+    def radius(weight: float) -> float:
+        kp, kd = (decay * weight, decay + weight) if on == "position" else (decay, decay * weight)
+        kd += 0.5 * period * kp if lead else 0.0
+        t = period
+        step = np.array([[1.0 - kp * t * t / 2.0, t - kd * t * t / 2.0], [-kp * t, 1.0 - kd * t]])
+        return float(np.abs(np.linalg.eigvals(step)).max())
+
+    assert low < high
+    for inside in np.linspace(low, high, 7)[1:-1]:
+        assert radius(inside) < 1.0
+    assert radius(1.01 * high) > 1.0
+    if low > 0.0:
+        assert radius(0.99 * low) > 1.0
+
+
+def test_review_tells_the_rule_along_the_path_and_warns_outside() -> None:
+    """Inside the rule there are facts and no warning, outside both; the flight agrees."""
+    step = {"kind": "step", "attitude_deg": [10, 0, 0], "joints_deg": [90, 55, 55, 10]}
+    for weight, warned in ((2.0, False), (2.6, True)):
+        gains = {"update": "none", "lambda": weight}
+        composition, ticks, _ = fly(gains, reference=step, control_period=0.5, duration=100.0)
+        review = composition.review()
+        assert bool(review.warnings) == warned
+        assert "lambda_max(M^-1 K_D) = 1.86" in review.facts[0]
+        assert len(review.facts) == 5
+        settled = np.abs(block(ticks, "euler_error")[-1]).max() < 1e-6
+        assert settled != warned
+
+
+def test_the_force_on_a_free_floating_base_is_exactly_zero() -> None:
+    """Bitwise, and the momentum of the robot stays what it was."""
+    _, ticks, _ = fly({"update": "composite"}, nominal=PRIOR, duration=20.0)
+    assert not np.any([tick.output.command.wrench[:3] for tick in ticks])
+    assert np.abs([tick.sample.telemetry["momentum"][:3] for tick in ticks]).max() < 1e-13
+
+
+def test_on_the_reference_the_command_is_the_inverse_dynamics() -> None:
+    """With exact parameters and no error, u is that of the body-frame model to 1e-12, free-floating and free-flying."""
+    for name in ("panda_sat", "servicer"):
+        robot, rng = load_robot(name), np.random.default_rng(5)
+        model, law = NominalModel(robot), make_law("adaptive", robot, 0.1, {"update": "none", "gyroscopic": False})
+        for _ in range(20):
+            q = np.array([*rng.normal(size=3), *from_rpy(rng.uniform(-1.0, 1.0, 3)), *rng.uniform(-1, 1, robot.n)])
+            v, a = rng.normal(size=(2, 6 + robot.n))
+            state = RobotState(0, q, v, np.zeros(robot.n), np.zeros(3))
+            u = law.update(state, Reference(0, q, v, a)).command.u
+            wanted, _ = model.actuated_inverse_dynamics(q, v, a)
+            assert np.abs(u - wanted).max() < 1e-12 * np.abs(wanted).max()
+
+
+def test_the_momentum_of_the_wheels_is_dead_reckoned_and_used() -> None:
+    """The law's sum of torques is the plant's wheel momentum, and knowing it removes most of the cross-axis error."""
+    cross = {}
+    for known in (True, False):
+        ticks = fly({"update": "none", "lead": True, "gyroscopic": known})[1]
+        cross[known] = np.sqrt(np.mean(block(ticks, "euler_error")[:, 1:] ** 2))
+    assert cross[True] < cross[False] / 10.0
+    ticks = fly({"update": "none"})[1]
+    torque = np.array([tick.output.command.wrench[3:] for tick in ticks])
+    wheels = np.array([tick.sample.telemetry["wheel_momentum"] for tick in ticks])
+    assert wheels[1:] == pytest.approx(-0.25 * np.cumsum(torque, axis=0)[:-1], abs=1e-12)
+
+
+def test_a_saturated_base_teaches_nothing() -> None:
+    """A period whose torque is beyond the nominal wheels is left out: learned is 0 and the estimate stays."""
+    step = {"kind": "step", "attitude_deg": [60, 0, 0]}
+    _, ticks, _ = fly({"update": "rls"}, reference=step, nominal=PRIOR, duration=5.0)
+    over = np.abs(np.array([tick.output.command.wrench[3:] for tick in ticks])).max(axis=1) > 1.5
+    learned, estimate = block(ticks, "learned")[:, 0], block(ticks, "parameters")
+    assert over[0]
+    for k in np.flatnonzero(over[:-1]):
+        assert learned[k + 1] == 0.0
+        assert (estimate[k + 1] == estimate[k]).all()
+    assert learned[1:].sum() == np.sum(~over[:-1])
+
+
+def test_reset_makes_the_next_run_the_first() -> None:
+    """After reset a law answers the same states with the same bits."""
+    composition, ticks, _ = fly({"update": "composite", "lead": True}, nominal=PRIOR, duration=10.0)
+    law = composition.controller()
+    for _ in range(2):
+        law.reset()
+        answers = [law.update(tick.sample.state, tick.reference) for tick in ticks]
+        assert [bits(a) for a in answers] == [bits(tick.output) for tick in ticks]
+
+
+def test_consistency_is_kept_when_it_is_asked_for() -> None:
+    """Projection and the natural gradient keep every body possible from a prior that was not; without, it is shown."""
+    shares = {}
+    for gains in (
+        {"update": "rls", "consistency": "none"},
+        {"update": "rls", "consistency": "project"},
+        {"update": "lyapunov", "consistency": "natural"},
+    ):
+        _, ticks, reason = fly(gains | {"lead": True}, nominal=PRIOR)
+        assert reason == "completed"
+        shares[gains["consistency"]] = block(ticks, "consistent").mean()
+    assert shares["none"] < 1.0
+    assert shares["project"] == shares["natural"] == 1.0
+
+
+def answer(law_gains: dict[str, Any], pitch_deg: float = 0.0, parameters: Vector | None = None) -> None:
+    """One update of the law on `mini` at a pitch, with a nominal robot of these parameters."""
+    robot = load_robot("mini")
+    if parameters is not None:
+        import pinocchio as pin
+
+        model = robot.model.copy()
+        for index, body in enumerate(parameters):
+            model.inertias[index + 1] = pin.Inertia.FromDynamicParameters(body)
+        robot = dataclasses.replace(robot, model=model)
+    q = np.array([0, 0, 0, *from_rpy((0.0, np.radians(pitch_deg), 0.0)), *robot.home])
+    state = RobotState(0, q, np.zeros(10), np.zeros(4), np.zeros(3))
+    make_law("adaptive", robot, 0.25, law_gains).update(state, Reference(0, q, np.zeros(10), np.zeros(10)))
+
+
+@pytest.mark.parametrize("pitch", [81.0, -81.0, 90.0])
+def test_euler_singularity_is_refused_before_it_is_reached(pitch: float) -> None:
+    """Beyond the limit the law ends the run with the angle and the limit, well before cos(pitch) vanishes."""
+    answer({}, 79.0)
+    with pytest.raises(ControlError, match=r"singularity.*-80 to 80 deg"):
+        answer({}, pitch)
+
+
+def test_a_path_through_the_singularity_is_refused_before_the_flight() -> None:
+    """A reference that pitches up to 85 degrees is bad input, found by the review."""
+    composition = fly({}, reference={"kind": "hold", "attitude_deg": [0, 85, 0]}, duration=1.0)[0]
+    with pytest.raises(SpecError, match="singularity"):
+        composition.review()
+
+
+def test_a_prior_without_a_mass_matrix_is_a_named_error() -> None:
+    """A nominal robot whose mass matrix is not positive definite has no K_D."""
+    parameters = inertial_parameters(load_robot("mini"))
+    parameters[0, [4, 6, 9]] = -1.0
+    with pytest.raises(ControlError, match="not positive definite"):
+        answer({}, parameters=parameters)
+
+
+def test_a_lost_estimate_ends_the_run_with_its_name_and_finite_torques() -> None:
+    """A step at a high Lyapunov gain loses the mass: the run says so, and no NaN was commanded on the way."""
+    step = {"kind": "step", "attitude_deg": [60, 0, 0]}
+    _, ticks, reason = fly({"update": "lyapunov", "tracking": {"gain": 1e5}}, reference=step)
+    assert "estimated mass is no longer positive" in reason
+    assert np.isfinite([tick.output.command.u for tick in ticks]).all()
+
+
+@pytest.mark.parametrize(
+    ("gains", "said"),
+    [
+        ({"update": "magic"}, "controller.gains.update"),
+        ({"lambda": -1.0}, "controller.gains.lambda"),
+        ({"lambda": {"joints": [1.0]}}, "controller.gains.lambda.joints"),
+        ({"lambda_": 1.0}, "controller.gains.lambda_"),
+        ({"kappa": 0.0}, "controller.gains.kappa"),
+        ({"pitch_limit_deg": 90.0}, "controller.gains.pitch_limit_deg"),
+        ({"update": "lyapunov", "lambda_on": "velocity"}, "needs lambda_on: position"),
+        ({"consistency": "natural"}, "for update lyapunov"),
+        ({"rls": {"reset": {"samples": 0}}}, "controller.gains.rls.reset.samples"),
+    ],
+)
+def test_gains_that_cannot_be_used_are_named(gains: dict[str, Any], said: str) -> None:
+    """Every bad gain is refused with its key before anything flies."""
+    with pytest.raises(SpecError) as refused:
+        make_law("adaptive", load_robot("mini"), 0.25, gains)
+    assert said in str(refused.value)

@@ -1,0 +1,225 @@
+"""The quaternion law: equal to the paper's equations term by term, the short way round, and finite everywhere."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from space_robot_control import rotations as rot
+from space_robot_control.laws import make_law
+from space_robot_control.laws.ntsmc.kernel.terminal import E_DOT, E
+from space_robot_control.laws.ntsmc.quaternion_law import Ntsmc
+from space_robot_control.references import make_reference
+from space_robot_control.tracking_errors import tracking_errors
+from space_robot_description.load import load_robot
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from tests.control.laws.test_computed_torque import errors, fly, start
+from tests.support.robots import arm_model, random_state, robot_of
+
+N = 4
+R, P1, P2, LAYER = 11 / 9, 5 / 9, 7 / 9, 1e-3
+WIDE = robot_of(arm_model(N))
+FLOATING = robot_of(arm_model(N), floating=True)
+
+
+def pair(seed: int, speed: float = 0.3) -> tuple[RobotState, Reference]:
+    """A random state and a random moving reference."""
+    rng = np.random.default_rng(seed)
+    (q, v), (q_d, v_d) = (random_state(rng, N, speed) for _ in range(2))
+    return RobotState(0, q, v, np.zeros(N), np.zeros(3)), Reference(0, q_d, v_d, rng.normal(size=6 + N))
+
+
+def law_of(robot: Robot, period: float = 0.1, **gains: Any) -> Ntsmc:
+    law = make_law("ntsmc", robot, period, gains)
+    assert isinstance(law, Ntsmc)
+    return law
+
+
+def inertial_rates(q: Vector, v: Vector, a: Vector) -> tuple[Vector, Vector]:
+    """The paper's x' and x'', base parts in the inertial frame."""
+    turn, omega = rot.matrix(q[3:7]), v[3:6]
+    rates = np.concatenate([turn @ v[:3], turn @ omega, v[6:]])
+    return rates, np.concatenate([turn @ (a[:3] + np.cross(omega, v[:3])), turn @ a[3:6], a[6:]])
+
+
+def sig(x: Vector, power: float) -> Vector:
+    return np.sign(x) * np.abs(x) ** power
+
+
+def by_the_paper(state: RobotState, reference: Reference, k_hat: float = 1e-4) -> tuple[Vector, Vector, Vector]:
+    """u, s and Delta s of (25)-(28), with every matrix of the paper in the paper's own coordinates."""
+    (dx, _), (dx_d, ddx_d) = (
+        inertial_rates(state.q, state.v, np.zeros(6 + N)),
+        inertial_rates(reference.q, reference.v, reference.a),
+    )
+    q_e = np.array(rot.product(state.q[3:7], rot.conjugate(reference.q[3:7])))
+    sign = -1.0 if q_e[3] < 0.0 else 1.0
+    e = np.concatenate([state.q[:3] - reference.q[:3], sign * q_e[:3], state.q[7:] - reference.q[7:]])
+    de, gamma = dx - dx_d, 0.1
+    k2 = np.array([0.1] * 8 + [0.2] * 2)
+    s = sig(de, R) / gamma + e
+    delta = s - LAYER * np.clip(s / LAYER, -1, 1)
+    xi = np.abs(de) ** (R - 1) / gamma * delta
+    eps_dot = 0.5 * (q_e[3] * de[3:6] - np.cross(q_e[:3], dx[3:6] + dx_d[3:6]))
+    a2 = -gamma / R * sig(de, 2 - R)
+    weight = np.abs(de[3:6]) ** (R - 1)
+    a2[3:6] = -gamma / R * weight / np.maximum(weight**2, LAYER) * sign * eps_dot
+    bound = k_hat * np.clip(s / LAYER, -1, 1) * (1 + dx @ dx)
+    along = 1e-2 * xi / max(xi @ xi, LAYER) * np.linalg.norm(delta) ** (2 * P1)
+    acceleration = ddx_d + a2 - (bound + along + k2 * sig(delta, P2))
+    # M0 and C0 of x' = H v: M0 = H^-T M H^-1 and C0 = H^-T (c + M d/dt(H^-1) x'); u is dual to v, so H^T comes back.
+    model, data, turn = WIDE.model, WIDE.model.createData(), rot.matrix(state.q[3:7])
+    mass = pin.crba(model, data, state.q, pin.Convention.LOCAL)
+    mass = np.triu(mass) + np.triu(mass, 1).T
+    transform = np.eye(6 + N)
+    transform[:3, :3] = transform[3:6, 3:6] = turn.T
+    drift = np.concatenate([np.cross(state.v[:3], state.v[3:6]), np.zeros(3 + N)])
+    bias = pin.nonLinearEffects(model, data, state.q, state.v) + mass @ drift
+    return mass @ transform @ acceleration + bias, s, delta
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_law_is_the_paper_term_by_term(seed: int) -> None:
+    """u, s and Delta s equal an evaluation of (25)-(28) with explicit matrices in inertial coordinates, to 1e-12."""
+    state, reference = pair(seed)
+    output = law_of(WIDE).update(state, reference)
+    u, s, delta = by_the_paper(state, reference)
+    np.testing.assert_allclose(output.command.u, u, rtol=0, atol=1e-12 * np.abs(u).max())
+    np.testing.assert_allclose(output.telemetry["sliding_variable"], s, rtol=0, atol=1e-12 * np.abs(s).max())
+    np.testing.assert_allclose(output.telemetry["sliding_excess"], delta, rtol=0, atol=1e-12 * np.abs(s).max())
+
+
+def test_the_short_way_is_taken_from_a_thousand_attitudes() -> None:
+    """The sliding error points against the shortest rotation, whichever of the two quaternions is measured."""
+    rng, law, zero = np.random.default_rng(5), law_of(WIDE), np.zeros(6 + N)
+    for _ in range(1000):
+        q, q_d = (random_state(rng, N)[0] for _ in range(2))
+        flipped = q.copy()
+        flipped[3:7] *= -1.0
+        answers = []
+        for measured in (q, flipped):
+            state, reference = RobotState(0, measured, zero, np.zeros(N), np.zeros(3)), Reference(0, q_d, zero, zero)
+            found = law.rotation(state, reference, tracking_errors(state, reference))
+            answers.append(found[E].tolist())
+        assert answers[0] == answers[1]
+        to_goal = np.array(rot.rotate(q[3:7], rot.log(rot.relative(q[3:7], q_d[3:7]))))
+        angle = np.linalg.norm(to_goal)
+        np.testing.assert_allclose(found[E], -np.sin(angle / 2) * to_goal / angle, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_derivative_of_the_quaternion_error_holds_for_a_turning_reference(seed: int) -> None:
+    """eps_e' = (eta_e w_e - eps_e x (w_b + w_d)) / 2 against central differences along both motions."""
+    state, reference = pair(seed, speed=1.0)
+    law, h = law_of(WIDE), 1e-6
+
+    def at(t: float) -> Any:
+        q = pin.integrate(WIDE.model, state.q, state.v * t)
+        q_d = pin.integrate(WIDE.model, reference.q, reference.v * t)
+        moved = RobotState(0, q, state.v, np.zeros(N), np.zeros(3)), Reference(0, q_d, reference.v, reference.a)
+        return law.rotation(*moved, tracking_errors(*moved))
+
+    change = (at(h)[E] - at(-h)[E]) / (2 * h)
+    np.testing.assert_allclose(change, at(0.0)[E_DOT], atol=1e-8)
+    now, omega_d = at(0.0), np.array(rot.rotate(reference.q[3:7], reference.v[3:6]))
+    without = now[E_DOT] + np.cross(now[E], omega_d)
+    assert np.abs(change - without).max() > 1e-3
+
+
+@pytest.mark.parametrize("clamp", [False, True])
+@pytest.mark.parametrize("angle_deg", [0.0, 90.0, 180.0, 180.0 + 1e-12, 359.0])
+@pytest.mark.parametrize("robot", [WIDE, FLOATING], ids=["flying", "floating"])
+def test_the_command_is_finite_at_rest_and_at_half_a_turn(robot: Robot, angle_deg: float, clamp: bool) -> None:
+    """0/0 at rest, eta_e = 0 and 180 degrees all have a command; away from the goal it is not zero."""
+    q, zero = start(), np.zeros(6 + N)
+    q_d = q.copy()
+    q_d[3:7] = rot.exp((0.0, 0.0, np.radians(angle_deg)))
+    state = RobotState(0, q, zero, np.zeros(N), np.zeros(3))
+    u = law_of(robot, clamp=clamp).update(state, Reference(0, q_d, zero, zero)).command.u
+    assert np.isfinite(u).all()
+    assert (np.abs(u).max() > 0.0) == (angle_deg > 0.0)
+
+
+def test_free_floating_base_is_controlled_without_force() -> None:
+    """Translation has no sliding variable, the force is 0.0 to the bit, and rotation and joints converge."""
+    goal = {"kind": "hold", "joints": [0.0, 0.4, -0.2, 0.9]}
+    reference = make_reference(goal, FLOATING, start())
+    rows = fly(law_of(FLOATING, clamp=True), reference, FLOATING, start((0.6, -0.5, 0.8)), 0.1, 800)
+    assert all(u[:3].tolist() == [0.0, 0.0, 0.0] for _, _, u in rows)
+    assert rows[0][1]["sliding_variable"].size == 3 + N
+    assert np.abs(errors(rows, "attitude_error")[-1]).max() < 1e-4
+    assert np.abs(errors(rows, "joint_error")[-1]).max() < 1e-4
+
+
+def test_the_law_remembers_nothing_across_a_reset() -> None:
+    """The same states and references give the same bits after a reset, K_hat and the observer included."""
+    law = law_of(WIDE, disturbance_observer=0.5)
+    flights = []
+    for _ in range(2):
+        law.reset()
+        flights.append([law.update(*pair(seed)) for seed in range(5)])
+    for first, second in zip(*flights, strict=True):
+        assert first.command.u.tobytes() == second.command.u.tobytes()
+        assert first.telemetry.data.tobytes() == second.telemetry.data.tobytes()
+
+
+def test_the_adapted_gain_in_the_log_is_the_one_that_was_used() -> None:
+    """K_hat of the first answer is its initial value; it grows by T phi |xi| (1 + |x'|^2)."""
+    law, (state, reference) = law_of(WIDE), pair(3)
+    first, second = (law.update(state, reference).telemetry for _ in range(2))
+    growth = 0.1 * 1e-3 * np.abs(first["xi"]) * (1.0 + state.v @ state.v)
+    assert first["adaptive_gain"].tolist() == [1e-4] * (6 + N)
+    np.testing.assert_allclose(second["adaptive_gain"], 1e-4 + growth, rtol=1e-13)
+
+
+def test_the_observer_takes_off_a_roughly_known_load_and_is_off_by_default() -> None:
+    """With a load the model half knows, the largest joint error falls to less than a half with the observer."""
+    nominal, truth = (robot_of(arm_model(N)) for _ in range(2))
+    truth.model.inertias[5] = truth.model.inertias[5] + pin.Inertia(8.0, np.array([0.0, 0.0, 0.4]), np.eye(3))
+    nominal.model.inertias[5] = nominal.model.inertias[5] + pin.Inertia(4.0, np.array([0, 0, 0.4]), 0.5 * np.eye(3))
+    spec = {"kind": "quintic", "duration": 20.0, "joints_by_deg": 40.0}
+    reference, worst = make_reference(spec, nominal, start()), []
+    for share in (0.0, 0.5):
+        rows = fly(law_of(nominal, disturbance_observer=share), reference, truth, start(), 0.1, 200)
+        assert np.any(errors(rows, "disturbance_estimate")) == (share > 0.0)
+        worst.append(np.abs(errors(rows, "joint_error")).max())
+    assert worst[1] < 0.5 * worst[0]
+
+
+@pytest.mark.parametrize("saturation", ["per_axis", "direction_preserving"])
+def test_what_is_sent_fits_the_nominal_actuators(saturation: str) -> None:
+    """From half a turn away the servicer is asked for more than it has; what is sent fits, and telemetry says so."""
+    robot = load_robot("servicer")
+    q = np.concatenate([np.zeros(3), rot.exp((0.0, 3.0, 0.5)), robot.home])
+    q_d, zero = q.copy(), np.zeros(6 + robot.n)
+    q_d[3:7] = [0.0, 0.0, 0.0, 1.0]
+    state = RobotState(0, q, zero, np.zeros(robot.n), np.zeros(3))
+    output = law_of(robot, saturation=saturation).update(state, Reference(0, q_d, zero, zero))
+    limits = [60.0] * 3 + [20.0] * 3 + robot.effort_limit.tolist()
+    wanted = output.telemetry["command_unsaturated"]
+    assert output.telemetry["command_saturated"].tolist() == [1.0]
+    assert np.any(np.abs(wanted) > limits)
+    assert np.all(np.abs(output.command.u) <= limits)
+    assert output.telemetry["command_norm"][0] == pytest.approx(np.linalg.norm(wanted))
+    if saturation == "direction_preserving":
+        scale = output.command.u @ wanted / (wanted @ wanted)
+        np.testing.assert_allclose(output.command.u, scale * wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("period", "clamp", "warned"), [(0.1, False, 0), (0.25, False, 1), (0.5, False, 2), (1.0, True, 0)]
+)
+def test_the_review_warns_of_chatter_and_cycles(period: float, clamp: bool, warned: int) -> None:
+    """At Table I the wrist chatters above 0.1 s and cycles above 0.5 s; the clamp is the way out."""
+    robot = load_robot("servicer")
+    q, zero = np.concatenate([np.zeros(3), [0, 0, 0, 1.0], robot.home]), np.zeros(14)
+    q_d = q.copy()
+    q_d[3:7] = rot.exp((0.0, 1.0, 0.5))
+    review = law_of(robot, period, clamp=clamp).review([Reference(0, x, zero, zero) for x in (q, q_d, q_d)])
+    assert len(review.warnings) == warned
+    assert "loop gain" in review.facts[0]
+    assert all("clamp: true" in warning for warning in review.warnings)

@@ -1,0 +1,202 @@
+"""What the pages in docs/ and examples/ show works as it stands there."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import dump_yaml, experiment_from, load_experiment
+from space_robot_bringup.modes.run import run_experiment
+from space_robot_cli.main import main
+from space_robot_description.validation import parse_yaml_text
+from space_robot_studies.campaign.cases import check_cases, make_case
+from space_robot_studies.campaign.run_case import fly_case
+from space_robot_studies.campaign.spec import load_campaign
+from tests.support.paths import ROOT
+
+PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
+EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
+# Robot files are loaded by tests/description/test_examples_of_docs.py.
+KINDS = {
+    "manifest": "figures",
+    "campaign": "runs",
+    "dispersions": "disperse",
+    "experiment": "control_period",
+    "sections": "reference",
+    "robot": "base_mode",
+    "model": "payload",
+}
+# Pages whose commands need those before them.
+IN_ORDER = ("campaigns.md", "compare.md", "replay.md", "view.md")
+
+
+def blocks(page: str, language: str) -> list[str]:
+    """The fenced blocks of a language on a page."""
+    return re.findall(rf"```{language}\n(.*?)```", PAGES[page], re.DOTALL)
+
+
+def yaml_blocks(kind: str) -> list[str]:
+    """All YAML blocks of a kind, the kind being the first of KINDS whose key they have."""
+    found = []
+    for page in PAGES:
+        for text in blocks(page, "yaml"):
+            keys = parse_yaml_text(text, page)
+            if next((name for name, key in KINDS.items() if key in keys), "") == kind:
+                found.append(text)
+    return found
+
+
+def test_every_block_is_of_a_kind_that_is_tried() -> None:
+    """No YAML on a page is left untried: each is a file, or sections of one, of a kind that is tried."""
+    tried = sum(len(yaml_blocks(kind)) for kind in KINDS)
+    assert tried == sum(len(blocks(page, "yaml")) for page in PAGES)
+    assert yaml_blocks("manifest")
+    assert yaml_blocks("experiment")
+    assert yaml_blocks("sections")
+
+
+@pytest.mark.parametrize("text", yaml_blocks("experiment"), ids=lambda text: text.splitlines()[0][:40])
+def test_experiments_fly_and_pass(tmp_path: Path, text: str) -> None:
+    """An experiment copied from a page flies and keeps what it expects."""
+    (tmp_path / "copied.yaml").write_text(text, encoding="utf-8")
+    result = run_experiment(load_experiment(str(tmp_path / "copied.yaml")), tmp_path / "bag", mode="headless")
+    assert result.passed, result.checks
+
+
+@pytest.mark.parametrize("text", yaml_blocks("sections"), ids=lambda text: text.splitlines()[1].strip())
+def test_sections_fit_an_experiment(text: str) -> None:
+    """Sections copied from a page into an experiment compose."""
+    base = {"robot": "mini", "control_period": 0.1, "duration": 1.0}
+    experiment = experiment_from(base | parse_yaml_text(text, "docs"), "docs")
+    assert compose(experiment).experiment.reference.kind in text
+
+
+def test_campaigns_and_their_sections_can_be_flown(tmp_path: Path) -> None:
+    """A campaign copied from a page, and sections copied into it, have cases that compose; one of them flies."""
+    (whole,) = yaml_blocks("campaign")
+    parts = yaml_blocks("dispersions")
+    assert parts
+    for text in (whole, *parts):
+        path = tmp_path / "copied.yaml"
+        data = parse_yaml_text(whole, "docs") | {"runs": 3, "expect": {}} | parse_yaml_text(text, "docs")
+        path.write_text(dump_yaml(data), encoding="utf-8")
+        assert check_cases(load_campaign(str(path)))
+    flown = fly_case(make_case(load_campaign(str(path)), 0).data, "copied", "none")
+    assert flown.columns["completed"], flown.columns
+
+
+def test_overrides_on_the_pages_work() -> None:
+    """Every ``--set KEY=VALUE`` on a page changes the page's first experiment."""
+    overrides = [found for text in PAGES.values() for found in re.findall(r"--set ([\w.]+=[\w.]+)", text)]
+    assert overrides
+    experiment = experiment_from(parse_yaml_text(yaml_blocks("experiment")[0], "docs"), "docs")
+    assert compose(load_experiment("liu2023/fig08", overrides)).experiment != experiment
+
+
+def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python copied from a page runs where the run directory it speaks of is."""
+    snippets = [text for page in PAGES for text in blocks(page, "python")]
+    monkeypatch.chdir(tmp_path)
+    for directory in {name for text in snippets for name in re.findall(r'"((?:runs|out)/[\w/]+)"', text)}:
+        run_experiment(load_experiment("liu2023/fig08", ["duration=1.0"]), Path(directory), mode="headless")
+    for text in snippets:
+        exec(compile(text, "docs", "exec"), {})
+
+
+def shell_lines(page: str) -> list[str]:
+    """The commands of a page's shell blocks, without remarks."""
+    return [line.split("#")[0].strip() for text in blocks(page, "sh") for line in text.splitlines()]
+
+
+def commands() -> list[str]:
+    """Every ``space-robot ...`` that a page or an example shows with arguments; some pages need an order."""
+    shown = [found for text in PAGES.values() for found in re.findall(r"`(space-robot [a-z][^`\n]*)`", text)]
+    # What belongs to other tools (ros2, colcon, pip) is tried by the tests of the installs.
+    lines = [line for page in PAGES if page not in IN_ORDER for line in shell_lines(page)]
+    shown += [line for line in lines if line.startswith("space-robot")]
+    return sorted(
+        {*shown, *(line for text in EXAMPLES.values() for line in re.findall(r"^ +(space-robot .*)$", text, re.M))}
+    )
+
+
+def exit_code(line: str, monkeypatch: pytest.MonkeyPatch) -> object:
+    """What a command line ends with."""
+    monkeypatch.setattr(sys, "argv", shlex.split(line))
+    with pytest.raises(SystemExit) as end:
+        main()
+    return end.value.code
+
+
+@pytest.mark.parametrize("command", commands())
+def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
+    """A command copied from a page or an example exits with 0, placeholders filled in and a short flight."""
+    words = shlex.split(command)[1:]
+    for name in ("examples", "config"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / "my_robot.yaml").write_text(yaml_blocks("robot")[0], encoding="utf-8")
+    (tmp_path / "my_paper.yaml").write_text(yaml_blocks("manifest")[0], encoding="utf-8")
+    words = ["liu2023/fig08" if word == "FILE" else word for word in words]
+    if words[0] == "run":
+        words += ["--out", "bag"]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["space-robot", *words])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 0
+
+
+def test_commands_of_the_campaign_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly, go on, and fly one case again; schedulers on other machines are tried in test_campaign.py."""
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("campaigns.md") if line.startswith("space-robot") and "tcp:" not in line]
+    assert len(lines) == 3
+    for line in lines:
+        words = shlex.split(line.replace("FILE", "fig08_dispersed"))
+        words += ["--runs", "3"] if "campaign" in words else ["--mode", "headless"]
+        monkeypatch.setattr(sys, "argv", words)
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 0, line
+
+
+def test_commands_of_the_comparison_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly and show, fly and write, and show what was flown again."""
+    small = {
+        "experiment": "compare/mini",
+        "set": {"duration": 2.0, "reference.duration": 1.0, "reference.joints_by_deg": 1},
+        "runs": 1,
+        "vary": {"controller.law": ["computed_torque", "pd"]},
+    }
+    (tmp_path / "small.yaml").write_text(dump_yaml(small), encoding="utf-8")
+    (tmp_path / "runs").mkdir()
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("compare.md") if line]
+    assert len(lines) == 3
+    for line in lines:
+        assert exit_code(line.replace("FILE", "small.yaml"), monkeypatch) == 0, line
+
+
+def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly, replay, look and recover; what needs a second terminal is tried in test_replay_publish.py."""
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("replay.md") if line.startswith("space-robot") and "--publish" not in line]
+    assert len(lines) == 5
+    for line in lines:
+        assert exit_code(line, monkeypatch) == (1 if "--set" in line else 0), line
+
+
+def test_commands_of_the_page_on_seeing_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fly and report, one run and a campaign; the viewer, which ends with Ctrl-C, is tried in test_browser.py."""
+    pytest.importorskip("plotly")
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("view.md") if line.startswith("space-robot") and " view " not in line]
+    assert len(lines) == 4
+    for line in lines:
+        assert exit_code(line, monkeypatch) == 0, line
+    assert (tmp_path / "runs" / "fig08.html").is_file()
+    assert (tmp_path / "runs" / "mc.html").is_file()

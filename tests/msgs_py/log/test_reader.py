@@ -1,0 +1,335 @@
+import io
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import Reader
+from ruamel.yaml import YAML
+
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes.headless import fly_in_memory, write_bag
+from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
+from space_robot_msgs_py.errors import InputFileError, LayoutError, LogError, SpaceRobotError
+from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry
+from space_robot_msgs_py.log.arrays import LogArrays, arrays_of, stack_telemetry
+from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, scan
+from space_robot_msgs_py.log.preamble import log_name
+from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogSink, LogWriter
+from space_robot_msgs_py.topics import JOINT_COMMAND
+from tests.support import values
+
+COUNT = 30
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """A closed log of COUNT ticks."""
+    place = tmp_path_factory.mktemp("closed") / "run"
+    _write(place)
+    return place
+
+
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """The bytes of the same log, killed after its last tick."""
+    return _write(tmp_path_factory.mktemp("killed") / "run")
+
+
+def _write(place):
+    """Write a log; return the bytes of its file just before it is closed."""
+    sink = LogSink(place, values.HEADER, custom={"mode": "test"})
+    for tick in values.run_ticks(COUNT):
+        sink.record(tick)
+    plain = sink.writer.path.read_bytes()
+    sink.close("completed")
+    return plain
+
+
+def _attempt(path):
+    """All ticks of a file, and None; or no ticks, and the one line that says why."""
+    try:
+        return list(LogReader(path).ticks()), None
+    except SpaceRobotError as error:
+        return [], str(error)
+
+
+def _beginning(ticks):
+    """True if these are the first ticks of the run, bit for bit."""
+    expected = values.run_ticks(COUNT)[: len(ticks)]
+    return [values.bits(tick) for tick in ticks] == [values.bits(tick) for tick in expected]
+
+
+def test_what_was_written_is_read(run):
+    """Header, description, reason and every tick come back bit for bit, from the directory and from the file."""
+    for path in (run, run / "run_0.mcap", str(run)):
+        reader = LogReader(path)
+        assert reader.header == values.HEADER
+        assert reader.robot_description == values.HEADER.urdf
+        assert reader.end_reason == "completed"
+        ticks = list(reader.ticks())
+        assert [values.bits(tick) for tick in ticks] == [values.bits(tick) for tick in values.run_ticks(COUNT)]
+
+
+def test_messages_come_in_table_order(run):
+    """The description is first, then every stamp has every topic of a tick in the order of the table."""
+    listed = [(name, stamp) for name, stamp, _ in LogReader(run).messages()]
+    expected = [(topic.name, k * values.PERIOD) for k in range(COUNT) for topic in LOGGED]
+    assert listed == [("robot_description", 0), *expected]
+
+
+def test_arrays_are_the_ticks_stacked(run):
+    """Every array holds, row by row, the bits of the ticks."""
+    reader = LogReader(run)
+    arrays, ticks = reader.arrays(), list(reader.ticks())
+    assert arrays.time.tolist() == [tick.stamp / NANOSECONDS for tick in ticks]
+    for row, tick in enumerate(ticks):
+        state, reference, command = tick.sample.state, tick.reference, tick.output.command
+        pairs = [
+            (arrays.q, state.q), (arrays.v, state.v), (arrays.effort, state.effort),
+            (arrays.base_acceleration, state.base_acceleration), (arrays.q_d, reference.q), (arrays.v_d, reference.v),
+            (arrays.a_d, reference.a), (arrays.wrench, command.wrench), (arrays.effort_command, command.effort),
+            (arrays.controller["error"], tick.output.telemetry["error"]),
+            (arrays.controller["gain"], tick.output.telemetry["gain"]),
+            (arrays.plant["energy"], tick.sample.telemetry["energy"]),
+        ]  # fmt: skip
+        assert all(stacked[row].tobytes() == single.tobytes() for stacked, single in pairs)
+
+
+@pytest.mark.parametrize("part", range(50))
+def test_a_cut_file_is_read_to_its_last_whole_tick(killed, tmp_path, part):
+    """Cut anywhere, a log is read without a traceback, and what is read is the beginning of what was written."""
+    cut = len(killed) * part // 50 + part
+    path = tmp_path / "cut_0.mcap"
+    path.write_bytes(killed[:cut])
+    ticks, refusal = _attempt(path)
+    assert _beginning(ticks)
+    if refusal is not None:
+        # Only where not even the header is whole.
+        assert "\n" not in refusal
+        assert cut < killed.index(b"ros2msg")
+        return
+    assert len(ticks) == _whole_ticks(killed[:cut])
+    assert LogReader(path).end_reason is None
+    assert LogReader(path).arrays().q.shape == (len(ticks), 10)
+
+
+def _whole_ticks(data):
+    """How many ticks have all their records in these bytes."""
+    messages = sum(opcode == Opcode.MESSAGE for opcode, _ in _records(data))
+    return max(messages - 1, 0) // len(LOGGED)
+
+
+def _records(data):
+    stream = io.BytesIO(data)
+    stream.seek(len(MAGIC))
+    return scan(stream, len(data))
+
+
+@pytest.mark.parametrize("part", range(1, 20))
+def test_a_cut_indexed_file_is_read_too(run, tmp_path, part):
+    """A closed log that was truncated later gives ticks from the beginning or one clear line."""
+    data = (run / "run_0.mcap").read_bytes()
+    path = tmp_path / "cut_0.mcap"
+    path.write_bytes(data[: len(data) * part // 20])
+    ticks, refusal = _attempt(path)
+    assert len(ticks) in (0, COUNT)
+    assert _beginning(ticks)
+    assert "\n" not in (refusal or "")
+
+
+@pytest.mark.parametrize("part", range(60))
+def test_damage_is_noticed_or_harmless(run, tmp_path, part):
+    """A closed log with one byte changed is one clear error or still gives the right ticks."""
+    data = bytearray((run / "run_0.mcap").read_bytes())
+    data[len(data) * part // 60] ^= 0x10
+    path = tmp_path / "damaged_0.mcap"
+    path.write_bytes(data)
+    ticks, refusal = _attempt(path)
+    assert _beginning(ticks)
+    assert "\n" not in (refusal or "")
+
+
+def test_a_missing_message_is_noticed(killed, tmp_path):
+    """A record taken out of the middle is found by its sequence number."""
+    records = [PREFIX.pack(opcode, len(content)) + content for opcode, content in _records(killed)]
+    del records[-25]
+    path = tmp_path / "gap_0.mcap"
+    path.write_bytes(MAGIC + b"".join(records))
+    with pytest.raises(LogError, match="a message is missing"):
+        list(LogReader(path).ticks())
+
+
+@pytest.mark.parametrize("content", [b"", b"not mcap at all", b"\x89MCAP0\r\n", b"PK\x03\x04" + bytes(100)])
+def test_other_files_are_refused(tmp_path, content):
+    """A file that is not MCAP, or is empty, is one line that names it."""
+    path = tmp_path / "x.mcap"
+    path.write_bytes(content)
+    with pytest.raises((InputFileError, LogError), match=r"x\.mcap") as caught:
+        LogReader(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_files_and_directories_are_named(tmp_path):
+    """No file, a directory without a bag, or with two, is an InputFileError that names the path."""
+    with pytest.raises(InputFileError, match="no such file"):
+        LogReader(tmp_path / "nothing")
+    with pytest.raises(InputFileError, match="0 files"):
+        LogReader(tmp_path)
+    for name in ("a", "b"):
+        (tmp_path / f"{name}_0.mcap").write_bytes(b"")
+    with pytest.raises(InputFileError, match="2 files"):
+        LogReader(tmp_path)
+
+
+def test_a_foreign_mcap_file_is_refused(tmp_path):
+    """A valid MCAP file of somebody else is a LogError, not an empty log."""
+    from mcap.writer import Writer
+
+    with (tmp_path / "x.mcap").open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        writer.finish()
+    with pytest.raises(LogError, match="not a log of ours"):
+        LogReader(tmp_path / "x.mcap")
+
+
+def test_telemetry_that_changes_shape_is_named(tmp_path):
+    """Arrays need telemetry of one shape; the error says which topic changes."""
+    first, second = values.run_ticks(2)
+    sink = LogSink(tmp_path / "run", values.HEADER)
+    sink.record(first)
+    sink.record(replace(second, sample=replace(second.sample, telemetry=_more(second))))
+    sink.close("completed")
+    assert len(list(LogReader(tmp_path / "run").ticks())) == 2
+    with pytest.raises(LogError, match=r"plant/telemetry"):
+        LogReader(tmp_path / "run").arrays()
+
+
+@pytest.mark.parametrize("fault", ["wrong names", "not a number"])
+def test_a_tick_with_a_refused_command_is_told_apart(tmp_path, fault):
+    """A command that does not fit stays in the log as a message, is named, and spoils no other tick."""
+    codec, ticks = TickCodec(values.NAMES), values.run_ticks(5)
+    writer = LogWriter(tmp_path / "run", values.HEADER)
+    for index, tick in enumerate(ticks):
+        parts = dict(zip(LOGGED, codec.encode(tick), strict=True))
+        if index == 2:
+            raw = parts[JOINT_COMMAND]
+            nan = np.array([np.nan]).tobytes()
+            parts[JOINT_COMMAND] = raw.replace(b"elbow", b"ankle") if fault == "wrong names" else raw[:-8] + nan
+        writer.write_tick(tick.stamp, parts)
+    writer.close("completed")
+    reader, kept = LogReader(tmp_path / "run"), [*ticks[:2], *ticks[3:]]
+    assert [values.bits(tick) for tick in reader.ticks()] == [values.bits(tick) for tick in kept]
+    assert reader.arrays().stamp.tolist() == [tick.stamp for tick in kept]
+    (line,) = reader.unfit()
+    assert line.startswith(f"{ticks[2].stamp} ns: ")
+    assert ("joint_command" if fault == "wrong names" else "command.effort") in line
+    assert sum(name == JOINT_COMMAND.name for name, _, _ in reader.messages()) == 5
+
+
+def _more(tick):
+    telemetry = tick.sample.telemetry
+    return type(telemetry).of(tick.stamp, {"energy": 1.0, "momentum": np.zeros(3)})
+
+
+def test_rosbags_reads_the_directory_without_a_gap(run):
+    """AnyReader opens the bag by its metadata and decodes every message, with stamps as bag times."""
+    with AnyReader([run]) as reader:
+        assert reader.message_count == 1 + COUNT * len(LOGGED)
+        assert {c.topic: c.msgcount for c in reader.connections} == {
+            "/robot_description": 1, "/tf": 0, "/tf_static": 0, **{log_name(topic): COUNT for topic in LOGGED}
+        }  # fmt: skip
+        seen = {c.topic: [] for c in reader.connections}
+        for connection, timestamp, raw in reader.messages():
+            message = reader.deserialize(raw, connection.msgtype)
+            seen[connection.topic].append(timestamp)
+            if hasattr(message, "header"):
+                stamp = message.header.stamp
+                assert stamp.sec * NANOSECONDS + stamp.nanosec == timestamp
+    for topic in LOGGED:
+        assert seen[log_name(topic)] == [k * values.PERIOD for k in range(COUNT)]
+
+
+def test_rosbags_reads_the_bare_file_and_its_qos(run):
+    """The .mcap alone is a bag too, and its channels carry the QoS that was offered."""
+    with Reader(run / "run_0.mcap") as reader:
+        assert reader.message_count == 1 + COUNT * len(LOGGED)
+        for connection in reader.connections:
+            (offer,) = connection.ext.offered_qos_profiles
+            depth = {"/robot_description": 1, "/tf": 10, "/tf_static": 1}.get(connection.topic, 1000)
+            durability = "VOLATILE" if connection.topic == "/tf" else "TRANSIENT_LOCAL"
+            assert (offer.history.name, offer.depth, offer.reliability.name) == ("KEEP_LAST", depth, "RELIABLE")
+            assert (offer.durability.name, offer.liveliness.name) == (durability, "AUTOMATIC")
+
+
+def test_mcap_reads_every_message_with_valid_checksums(run):
+    """The reference reader seeks, validates every checksum, and mcap_ros2 decodes every message."""
+    with (run / "run_0.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        summary, header = reader.get_summary(), reader.get_header()
+        decoded = list(reader.iter_decoded_messages())
+        joints = list(reader.iter_messages(topics=["/joint_states"]))
+        attachments = {a.name: a.data.decode() for a in reader.iter_attachments()}
+        metadata = {m.name: m.metadata for m in reader.iter_metadata()}
+    assert (header.profile, len(decoded)) == ("ros2", 1 + COUNT * len(LOGGED))
+    assert [message.log_time for _, _, message in joints] == [k * values.PERIOD for k in range(COUNT)]
+    assert [message.sequence for _, _, message in joints] == list(range(COUNT))
+    assert all(message.publish_time == message.log_time for _, _, message, _ in decoded)
+    assert all(schema.encoding == "ros2msg" for schema in summary.schemas.values())
+    assert all(channel.metadata["topic_type_hash"].startswith("RIHS01_") for channel in summary.channels.values())
+    assert attachments == {"experiment.yaml": values.HEADER.experiment, "robot.urdf": values.HEADER.urdf}
+    assert metadata["end"] == {"reason": "completed", "ticks": str(COUNT)}
+    assert list(metadata) == ["space_robot", "end"]
+    assert {chunk.compression for chunk in summary.chunk_indexes} == {"zstd"}
+
+
+def test_metadata_yaml_agrees_with_the_file(run):
+    """metadata.yaml has version 9, the counts of the file, the stamps as times, and the remarks."""
+    data = YAML(typ="safe").load((run / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert (data["version"], data["storage_identifier"], data["ros_distro"]) == (9, "mcap", "jazzy")
+    assert data["relative_file_paths"] == ["run_0.mcap"]
+    assert data["duration"]["nanoseconds"] == (COUNT - 1) * values.PERIOD
+    assert data["message_count"] == sum(topic["message_count"] for topic in data["topics_with_message_count"])
+    assert data["custom_data"] == {"mode": "test", "end_reason": "completed"}
+    assert data["topics_with_message_count"][1]["topic_metadata"]["offered_qos_profiles"][0]["depth"] == 1000
+
+
+def test_nothing_of_this_machine_is_in_the_file(killed):
+    """The plain file begins with its header and carries no time but stamps."""
+    times = set()
+    for opcode, content in _records(killed):
+        if opcode == Opcode.MESSAGE:
+            _, _, log_time, publish_time = MESSAGE.unpack_from(content)
+            times |= {log_time, publish_time}
+    assert times == {k * values.PERIOD for k in range(COUNT)}
+
+
+def test_ticks_in_memory_stack_like_a_log_of_them(tmp_path: Path) -> None:
+    """``arrays_of`` gives the arrays that the log of the same ticks gives, bit for bit."""
+    composition = compose(load_experiment("liu2023/fig08", ("duration=1.0",)))
+    sink = fly_in_memory(composition)
+    write_bag(sink, composition, tmp_path / "run")
+    logged, stacked = LogReader(tmp_path / "run").arrays(), arrays_of(sink.ticks)
+    for field in fields(LogArrays):
+        ours, theirs = getattr(stacked, field.name), getattr(logged, field.name)
+        pairs = [(ours[label], theirs[label]) for label in theirs] if isinstance(theirs, dict) else [(ours, theirs)]
+        for a, b in pairs:
+            np.testing.assert_array_equal(a, b)
+
+
+def test_telemetry_that_changes_within_a_run_is_refused():
+    """Another layout at one tick, or a block that is not there, is one clear error and no array of something else."""
+    first = Telemetry.of(0, {"a": [1.0, 2.0], "b": 3.0})
+    assert stack_telemetry([first, Telemetry.of(1, {"a": [4.0, 5.0], "b": 6.0})])["a"].tolist() == [[1, 2], [4, 5]]
+    for other in ({"a": [1.0, 2.0], "c": 3.0}, {"a": 1.0, "b": [2.0, 3.0]}, {"a": [1.0, 2.0]}):
+        with pytest.raises(LayoutError, match="change"):
+            stack_telemetry([first, Telemetry.of(1, other)])
+    with pytest.raises(LayoutError, match="z"):
+        stack_telemetry([first], ("a", "z"))

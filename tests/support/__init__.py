@@ -1,0 +1,1 @@
+"""What tests of several packages share: robots, values, laws that fail, a graph under test."""
