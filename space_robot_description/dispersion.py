@@ -24,7 +24,7 @@ MAX_DRAWS = 1000
 
 
 class Spread(Strict):
-    """How far a value strays, relative to itself; exactly one of the two."""
+    """How far a value deviates, relative to itself; exactly one of the two."""
 
     normal: NonNegativeFloat | None = Field(default=None, description="standard deviation / value [-]")
     uniform: NonNegativeFloat | None = Field(default=None, description="half width / value [-]")
@@ -43,7 +43,7 @@ class Spread(Strict):
 
 
 class Dispersion(Strict):
-    """Which parameters stray and how far.
+    """Which parameters are perturbed and how far.
 
     Keys of ``parameters``, with a body, joint or ``*`` in the middle (a name wins over ``*``):
 
@@ -73,7 +73,7 @@ def disperse(robot: Robot, dispersion: Dispersion, rng: np.random.Generator) -> 
 
     Args:
         robot: it is not changed.
-        dispersion: what strays.
+        dispersion: what is perturbed.
         rng: the only source of chance; the same state gives the same bits.
 
     Returns:

@@ -32,7 +32,7 @@ class Payload(Strict):
 
 
 def known_part(payload: Payload, fraction: float) -> Payload:
-    """The payload that somebody believes in who knows a fraction of its mass and inertia, and where its centre is.
+    """The nominal payload of which a fraction of mass and inertia is known, and where its centre is.
 
     Args:
         payload: the real one.

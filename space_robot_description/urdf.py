@@ -27,7 +27,7 @@ class Tree:
         root: the ``<robot>`` element.
         links: link name -> element, document order.
         joints: joint name -> element, document order.
-        root_link: the one link that is nobody's child.
+        root_link: the one link that is no link's child.
         children: link name -> its joints, sorted by joint name as Pinocchio visits them.
     """
 

@@ -32,7 +32,7 @@ class Topic:
         sporadic: not every stamp has a message.
         recorded: it is written to the log.
         deterministic: equal runs give equal bytes.
-        derived: in the log it follows from other messages of its stamp; whoever writes the log makes it.
+        derived: in the log it follows from other messages of its stamp; it is derived when the log is written.
         meaning: for people.
     """
 
@@ -168,7 +168,7 @@ RECORDER_CREDIT = Topic(
     "rosgraph_msgs/msg/Clock",
     "event",
     "recorder",
-    "how far the simulator may go: the run starts when the recorder hears everybody, and never outruns it",
+    "how far the simulator may go: the run starts when the recorder is matched with every node, and never outruns it",
     latched=True,
     recorded=False,
 )

@@ -29,7 +29,7 @@ def compiled(spec: IntegratorSpec) -> bool:
 
 
 def stepping(spec: IntegratorSpec, robot: RobotArrays, period: int) -> Stepping:
-    """What the kernel is told.
+    """What the kernel is given.
 
     Args:
         spec: what the file says.

@@ -39,7 +39,7 @@ class SimulatedRobot:
         delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
         hold: what acts in place of a missing command: nothing, or the last one.
         changes: (stamp [ns], robot from then on) in order: the same joints and actuators, other inertias. The motion
-            goes on as it is, and the books of momentum and energy are opened anew.
+            goes on as it is, and the conservation baseline is reset.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.

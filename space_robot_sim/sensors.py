@@ -47,7 +47,7 @@ class Sensors:
         self.reset()
 
     def reset(self) -> None:
-        """Forget delayed readings and start every generator anew."""
+        """Forget delayed readings and restart every generator."""
         children = np.random.SeedSequence(self._seed).spawn(len(self._sizes))
         self._channels = {
             name: _channel(name, getattr(self._spec, name), size, self._period, np.random.default_rng(child))

@@ -10,7 +10,7 @@ from pathlib import Path
 def cached(source: Path, function: str) -> bool:
     """True if a function of a source file need not be compiled: done before, or there is no compiler.
 
-    A cache elsewhere (NUMBA_CACHE_DIR) is taken as filled: nobody can tell from here.
+    A cache elsewhere (NUMBA_CACHE_DIR) is taken as filled: it cannot be inspected from here.
     """
     if find_spec("numba") is None or "NUMBA_CACHE_DIR" in os.environ:
         return True

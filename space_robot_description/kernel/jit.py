@@ -86,7 +86,7 @@ def ready(function: Callable[..., Any], *arguments: object) -> tuple[Any, ...]:
 
 
 def constants(*numbers: int) -> tuple[Any, ...]:
-    """Integers of NumPy: for a literal Python one as argument numba compiles the function anew."""
+    """Integers of NumPy: for a literal Python one as argument numba compiles the function again."""
     return tuple(np.int64(number) for number in numbers)
 
 

@@ -1,4 +1,4 @@
-"""The numbers of a message by the names its definition gives them, for whoever compares or shows messages."""
+"""The numbers of a message by the names its definition gives them, for comparing and showing messages."""
 
 from __future__ import annotations
 

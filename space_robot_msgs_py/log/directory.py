@@ -19,7 +19,7 @@ TEMPORARY = ".tmp"
 
 
 def prepare_directory(directory: Path) -> Path:
-    """Make a run directory, remove a previous run of ours from it, and return the path of the new bag file.
+    """Make a run directory, remove a previous run from it, and return the path of the new bag file.
 
     Raises:
         LogError: something else is in it, or it cannot be made.
@@ -60,7 +60,7 @@ class BagTopic:
 
 
 def recorded_topics(counts: Mapping[str, int]) -> list[BagTopic]:
-    """The topics of a log of ours with the number of messages by topic name."""
+    """The topics of a run log with the number of messages by topic name."""
     return [
         BagTopic(log_name(topic), topic.type, counts[topic.name], (qos_of(topic).as_rosbag2(),), type_hash(topic.type))
         for topic in RECORDED
@@ -142,7 +142,7 @@ def _remove_previous(place: Path) -> None:
         raise LogError("this is a file", key=str(place), accepted="a directory, new, empty or of an earlier run")
     bags = sorted(place.glob(f"*{BAG_SUFFIX}"))
     if any(place.iterdir()) and not (bags and all(map(_is_ours, bags))):
-        raise LogError("not empty and not a run of ours", key=str(place), accepted="a new or empty directory")
+        raise LogError("not empty and not a run directory", key=str(place), accepted="a new or empty directory")
     temporaries = [bag.with_name(bag.name + TEMPORARY) for bag in bags]
     # The description goes first: a kill in between must not leave one that describes another bag.
     for path in (place / METADATA_FILE, *temporaries, *bags):

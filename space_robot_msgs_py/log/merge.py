@@ -117,7 +117,7 @@ class BagMerger:
                 self._counted[channel.topic] += statistics.channel_message_counts.get(number, 0)
 
     def _announce(self, writer: IndexedWriter) -> None:
-        """All schemas and channels, numbered anew: files of one bag may have numbers of their own."""
+        """All schemas and channels, renumbered: files of one bag may have numbers of their own."""
         schemas: dict[tuple[str, bytes], int] = {}
         for _, schema in self._channels.values():
             if (schema.name, schema.data) not in schemas:
@@ -135,7 +135,7 @@ class BagMerger:
         if number is None:
             self.nameless += 1
             return
-        # Other tools may begin anywhere; whoever numbers nothing has no gaps.
+        # Other tools may begin anywhere; files without numbers have no gaps.
         begun = 0 if self._header.library == LIBRARY else sequence
         _, first, _, count = self._sequences.get((file, channel), (topic, begun, 0, 0))
         self._sequences[file, channel] = (topic, first, sequence, count + 1)

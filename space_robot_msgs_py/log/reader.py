@@ -27,14 +27,14 @@ from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, flatten, parse,
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 
 _NAMES = {log_name(topic): topic.name for topic in RECORDED}
-# Not of a tick: once per run, or made from the tick by whoever wrote the log.
+# Not of a tick: once per run, or derived from the tick when the log is written.
 _BESIDE = frozenset(topic.name for topic in RECORDED if topic.latched or topic.derived)
 _ESSENTIAL = frozenset(topic.name for kind in ("state", "reference", "command") for topic in topics_of(kind))
 _TELEMETRY = frozenset((CONTROLLER_TELEMETRY.name, PLANT_TELEMETRY.name))
 
 
 class LogReader:
-    """A log on disk; every call reads it anew, so a log that is still written can be followed.
+    """A log on disk; every call reads it again, so a log that is still written can be followed.
 
     Args:
         path: run directory or .mcap file.
@@ -179,7 +179,7 @@ class LogReader:
             elif opcode in (Opcode.MESSAGE, Opcode.CHUNK, Opcode.SCHEMA):
                 break
         if metadata is None:
-            raise LogError("an MCAP file, but not a log of ours, or cut within its first record", key=self._key)
+            raise LogError("an MCAP file, but not a run log, or truncated within its first record", key=self._key)
         return LogHeader.of(metadata, attachments, self._key)
 
     def _records(self) -> Iterator[tuple[int, bytes]]:

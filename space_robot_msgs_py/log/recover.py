@@ -28,7 +28,7 @@ class Recovery:
         damage: of the old bag.
         last_stamp: log time of the last message [ns].
         end_reason: why the run ended; None: the bag does not say.
-        complaint: why it is no longer a log of ours, with its experiment; empty if it is one.
+        complaint: why the result is a bag but not a run log with its experiment; empty if it is one.
     """
 
     path: Path
@@ -49,7 +49,7 @@ class Recovery:
 def recover(source: Path | str, target: Path) -> Recovery:
     """Copy what can be read of a bag into a new one; the old one stays as it is.
 
-    Messages keep their bytes and times and are numbered anew, because readers take a gap in the numbers for damage.
+    Messages keep their bytes and times and are renumbered, because readers take a gap in the numbers for damage.
 
     Args:
         source: bag directory or .mcap file, of this project or of another tool.
@@ -86,7 +86,7 @@ def recover(source: Path | str, target: Path) -> Recovery:
 
 
 def _write(merger: BagMerger, path: Path, source: str) -> tuple[str | None, str]:
-    """Write bag and description; return the reason of the end and why it is no log of ours."""
+    """Write bag and description; return the reason of the end and why the result is not a run log."""
     merger.write(path)
     if not merger.kept:
         raise LogError("no message can be recovered", key=source)
@@ -98,7 +98,7 @@ def _write(merger: BagMerger, path: Path, source: str) -> tuple[str | None, str]
 
 
 def _reread(path: Path, expected: int) -> tuple[str | None, str]:
-    """The reason of the end and why it is no log of ours; a result that cannot be read is an error, not a result."""
+    """The reason of the end and why the result is not a run log; a result that cannot be read is an error, not a result."""
     found = sum(1 for _ in intact(Bag(path).messages(), str(path)))
     if found != expected:
         raise LogError("the recovered bag does not read back", key=str(path), value=found, accepted=f"{expected}")

@@ -43,7 +43,7 @@ def draw(log: Path, out: Path) -> None:
     _held(panels[3], arrays.time, arrays.effort_command, joints, "joint effort [N m]")
     panels[3].set_xlabel("time [s]")
     try:
-        # With a format given, matplotlib writes where it is told and appends no suffix of its own.
+        # With a format given, matplotlib writes to that path and appends no suffix of its own.
         figure.savefig(out, dpi=110, format=out.suffix[1:] or "png")
     except (OSError, ValueError) as error:
         raise LogError(f"the picture cannot be written: {error}", key=str(out)) from None

@@ -74,7 +74,7 @@ def effort_plots(arrays: LogArrays, joints: Sequence[str], robot: Robot | None) 
 
 
 def conservation_plots(arrays: LogArrays) -> Iterator[Plot]:
-    """How far the plant strays from what physics keeps, against what the verdict allows."""
+    """How far the plant deviates from conservation, against what the verdict allows."""
     for label, allowed in PLANT_BOUNDS.items():
         if label not in arrays.plant:
             continue

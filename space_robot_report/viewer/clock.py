@@ -21,7 +21,7 @@ class PlayClock:
         self.now, self.playing, self.speed = start, False, 1.0
 
     def toggle(self) -> None:
-        """Play or pause; played at its end it begins anew."""
+        """Play or pause; played at its end it starts again from the beginning."""
         self.playing = not self.playing
         if self.playing and self.now >= self._end:
             self.now = self._start

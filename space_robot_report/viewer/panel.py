@@ -23,7 +23,7 @@ class Panel:
         end: of the run [s].
         title: of the run.
         about: a line or two on the run, as Markdown.
-        switches: label to what is told when it is switched on or off.
+        switches: label to the callback of its switch.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Serves a run to browsers until told to stop."""
+"""Serve a run to browsers until it is stopped."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def serve(
         show: what.
         port: where; the next free one if it is taken.
         open_browser: open a tab.
-        on_ready: told the address once it is served.
+        on_ready: called with the address once it is served.
         stop: asked 30 times a second; a reason ends it.
     """
     with _served(port) as server:

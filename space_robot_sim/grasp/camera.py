@@ -31,7 +31,7 @@ class Camera:
         self.reset()
 
     def reset(self) -> None:
-        """Start every generator anew and forget the last reading."""
+        """Restart every generator and forget the last reading."""
         children = np.random.SeedSequence(self._seed).spawn(3)
         self._noises, self._outliers, self._dropouts = (np.random.default_rng(child) for child in children)
         self._last: Vector | None = None

@@ -77,7 +77,7 @@ class HeldBody(ABC):
 
     @abstractmethod
     def _forget(self) -> None:
-        """Start the sensors anew."""
+        """Restart the sensors."""
 
     def reset(self) -> PlantSample:
         """Return to the initial state and show it (stamp 0)."""

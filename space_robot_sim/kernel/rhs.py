@@ -1,4 +1,4 @@
-"""The right-hand side: how the state changes while actuators hold what they were told.
+"""The right-hand side: how the state changes while actuators hold their commands.
 
 State y, N = 20 + 2n numbers: position(3) inertial, quaternion(4) xyzw, joints(n) | linear(3), angular(3) body frame,
 joint rates(n) | work of all applied forces(1), linear(3) and angular(3) impulse of external ones, about the inertial
@@ -62,7 +62,7 @@ def scratch(joints: int) -> Scratch:
 
 @inner
 def motor_effort(asked: float, start: float, lag: float, t: float) -> float:
-    """Effort of a first-order motor t after it was told to go from ``start`` to ``asked``."""
+    """Effort of a first-order motor t after its command changed from ``start`` to ``asked``."""
     return asked + (start - asked) * math.exp(-t / lag) if lag > 0.0 else asked
 
 

@@ -88,7 +88,7 @@ def parse(read: Callable[[ReadDataStream], R], content: bytes, key: str) -> R:
 
 
 def parse_attachment(content: bytes, key: str) -> Attachment:
-    """An attachment, whose checksum nobody else looks at.
+    """An attachment, whose checksum no other reader checks.
 
     Raises:
         LogError: the content is damaged.

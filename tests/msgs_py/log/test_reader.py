@@ -196,7 +196,7 @@ def test_a_foreign_mcap_file_is_refused(tmp_path):
         writer = Writer(stream)
         writer.start()
         writer.finish()
-    with pytest.raises(LogError, match="not a log of ours"):
+    with pytest.raises(LogError, match="not a run log"):
         LogReader(tmp_path / "x.mcap")
 
 

@@ -160,7 +160,7 @@ def test_a_run_without_telemetry_is_complete(tmp_path):
 
 
 def test_a_previous_run_is_replaced(tmp_path):
-    """A directory that holds a run of ours, closed or killed, takes the next one; other files of the user stay."""
+    """A directory that holds a previous run, closed or killed, takes the next one; other files of the user stay."""
     write(tmp_path / "run", values.run_ticks(9), custom={"mode": "old"})
     (tmp_path / "run" / "notes.txt").write_text("mine")
     sink = LogSink(tmp_path / "run", values.HEADER)
@@ -178,7 +178,7 @@ def test_what_is_not_ours_is_never_replaced(tmp_path, name):
     place = tmp_path / "run"
     place.mkdir()
     (place / name).write_bytes(b"\x89MCAP0\r\n and then something else")
-    with pytest.raises(LogError, match=f"{place}.*not a run of ours"):
+    with pytest.raises(LogError, match=f"{place}.*not a run directory"):
         LogWriter(place, values.HEADER)
     assert (place / name).read_bytes().endswith(b"something else")
 
@@ -187,7 +187,7 @@ def test_a_bag_of_others_beside_ours_is_refused(tmp_path):
     """Our run does not license the removal of a foreign bag in the same directory."""
     write(tmp_path / "run", values.run_ticks(1))
     (tmp_path / "run" / "flight_0.mcap").write_bytes(b"precious")
-    with pytest.raises(LogError, match="not a run of ours"):
+    with pytest.raises(LogError, match="not a run directory"):
         LogWriter(tmp_path / "run", values.HEADER)
 
 
