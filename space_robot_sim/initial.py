@@ -1,8 +1,9 @@
-"""Where a run starts."""
+"""Where a run starts, and what every plant needs to know of the run."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -30,3 +31,22 @@ class InitialState:
         q[3:7] /= norm
         object.__setattr__(self, "q", vector(q, None, "initial.q"))
         object.__setattr__(self, "v", vector(self.v, q.size - 1, "initial.v"))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunConditions:
+    """What a plant needs to know of a run besides its own specification.
+
+    Attributes:
+        control_period: [ns].
+        initial: where the run starts.
+        seed: of everything random in the plant.
+        delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
+        hold: what acts in place of a missing command: nothing, or the last one.
+    """
+
+    control_period: int
+    initial: InitialState
+    seed: int = 0
+    delay_periods: Literal[0, 1] = 0
+    hold: Literal["zero", "last"] = "zero"

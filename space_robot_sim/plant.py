@@ -17,7 +17,7 @@ from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.arrays import robot_arrays
-from space_robot_sim.kernel.period import Flight, flight, fly, open_books, settle
+from space_robot_sim.kernel.period import Flight, flight, fly, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
@@ -90,7 +90,7 @@ class SimulatedRobot:
         self._stamp = 0
         nothing = self._hold.reset()
         self._sensors.reset()
-        self._become(self._robots[0])
+        self._switch_model(self._robots[0])
         return self._show(nothing)
 
     def step(self, command: Command | None) -> PlantSample:
@@ -101,7 +101,7 @@ class SimulatedRobot:
             IntegrationError: the state stopped being finite, or the tolerance cannot be kept.
         """
         if self._stamp and self._stamp in self._robots:
-            self._become(self._robots[self._stamp])
+            self._switch_model(self._robots[self._stamp])
         acting = self._hold.take(command)
         status = self._advance(acting.u)
         self._stamp += self._period
@@ -109,22 +109,22 @@ class SimulatedRobot:
             raise self._failure(status)
         return self._show(acting)
 
-    def _become(self, robot: Robot) -> None:
-        """Be this robot from here on, with books that start here."""
+    def _switch_model(self, robot: Robot) -> None:
+        """Switch to this robot from here on, with a new conservation baseline."""
         self._arrays = robot_arrays(robot.model, motor_numbers(robot))
         self._fallback = None if self._compiled else PinocchioIntegrator(robot.model, self._arrays)
         self._flight.y[13 + 2 * self._n :] = 0.0
         self._advance(self._hold.held.u, start=True)
 
     def _advance(self, acting: Vector, *, start: bool = False) -> int:
-        """One period under a command, or with ``start`` only the books of the initial state; returns a status."""
+        """One period under a command, or with ``start`` only the balance of the initial state; returns a status."""
         plant = self._flight
         if self._fallback is None:
             return self._fly(self._arrays, self._able, self._how, acting, self._seconds, plant, start)
         count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
         drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
         if start:
-            open_books(self._arrays, self._able, drive, plant)
+            reset_baseline(self._arrays, self._able, drive, plant)
             return DONE
         status = self._fallback.integrate(drive, count, self._how, plant.y, plant.scratch)
         if status == DONE:

@@ -17,7 +17,7 @@ from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
 from space_robot_sim.grasp.airbearing import AirbearingTestbed
 from space_robot_sim.grasp.captured import CapturedDebris, capability
 from space_robot_sim.grasp.plant import grasp_joints, whole_steps
-from space_robot_sim.initial import InitialState
+from space_robot_sim.initial import InitialState, RunConditions
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import fixed_steps, method
 
@@ -93,21 +93,15 @@ def _check_articulated(spec: PlantSpec, truth: Robot, period: int) -> None:
 
 
 def _airbearing(spec: AirbearingPlant, parts: PlantParts) -> Plant:
-    return AirbearingTestbed(parts.truth, spec, **_timing(spec, parts))
+    return AirbearingTestbed(parts.truth, spec, _conditions(spec, parts))
 
 
 def _pccs(spec: CapturedPlant, parts: PlantParts) -> Plant:
-    return CapturedDebris(parts.truth, spec, **_timing(spec, parts))
+    return CapturedDebris(parts.truth, spec, _conditions(spec, parts))
 
 
-def _timing(spec: PlantTiming, parts: PlantParts) -> dict[str, Any]:
-    return {
-        "control_period": parts.period,
-        "initial": parts.initial,
-        "seed": parts.seed,
-        "delay_periods": spec.delay_periods,
-        "hold": spec.hold,
-    }
+def _conditions(spec: PlantTiming, parts: PlantParts) -> RunConditions:
+    return RunConditions(parts.period, parts.initial, parts.seed, spec.delay_periods, spec.hold)
 
 
 def _no_changes(spec: PlantTiming, truth: Robot, control_period: float) -> Changes:

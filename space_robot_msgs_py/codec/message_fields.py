@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec
-from space_robot_msgs_py.codec.layout import Layout
+from space_robot_msgs_py.codec.topic_bytes import telemetry_codecs, value_layouts
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, Topic
+from space_robot_msgs_py.topics import Topic
 
 _XYZ, _XYZW = ("x", "y", "z"), ("x", "y", "z", "w")
 # Block of a layout -> names of its numbers, as in the message definition.
@@ -33,11 +32,8 @@ class MessageFields:
 
     def __init__(self, joint_names: Sequence[str]) -> None:
         self._joints = tuple(joint_names)
-        codecs = (StateCodec(joint_names), ReferenceCodec(joint_names), CommandCodec(joint_names))
-        self._layouts: dict[Topic, Layout] = {
-            topic: layout for codec in codecs for topic, layout in zip(codec.topics, codec.layouts, strict=True)
-        }
-        self._telemetry = {topic: TelemetryCodec(topic) for topic in (CONTROLLER_TELEMETRY, PLANT_TELEMETRY)}
+        self._layouts = value_layouts(joint_names)
+        self._telemetry = telemetry_codecs()
 
     def blocks(self, topic: Topic, raw: bytes) -> dict[str, Vector]:
         """The numbers of a message by block, without stamp and covariances.

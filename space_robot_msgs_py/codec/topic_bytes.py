@@ -20,6 +20,17 @@ from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, 
 LOGGED: tuple[Topic, ...] = tuple(t for t in TABLE if t.recorded and not t.latched and not t.derived)
 
 
+def value_layouts(joint_names: Sequence[str]) -> dict[Topic, Layout]:
+    """The layout of each message of state, reference and command for a robot's joints, in model order."""
+    codecs = (StateCodec(joint_names), ReferenceCodec(joint_names), CommandCodec(joint_names))
+    return {topic: layout for codec in codecs for topic, layout in zip(codec.topics, codec.layouts, strict=True)}
+
+
+def telemetry_codecs() -> dict[Topic, TelemetryCodec]:
+    """The codec of each telemetry topic."""
+    return {topic: TelemetryCodec(topic) for topic in (CONTROLLER_TELEMETRY, PLANT_TELEMETRY)}
+
+
 class TickCodec:
     """A whole tick to and from the messages of ``LOGGED``.
 
@@ -94,11 +105,8 @@ class TopicBytes:
     """
 
     def __init__(self, joint_names: Sequence[str]) -> None:
-        codecs = (StateCodec(joint_names), ReferenceCodec(joint_names), CommandCodec(joint_names))
-        self._layouts: dict[Topic, Layout] = {
-            topic: layout for codec in codecs for topic, layout in zip(codec.topics, codec.layouts, strict=True)
-        }
-        self._telemetry = {topic: TelemetryCodec(topic) for topic in (CONTROLLER_TELEMETRY, PLANT_TELEMETRY)}
+        self._layouts = value_layouts(joint_names)
+        self._telemetry = telemetry_codecs()
 
     def read(self, topic: Topic, raw: bytes) -> tuple[int, bytes]:
         """The stamp [ns] and the canonical bytes of a message.

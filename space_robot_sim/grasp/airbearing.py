@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import cos, pi, sin
-from typing import Literal
 
 import numpy as np
 
@@ -14,14 +13,14 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
 from space_robot_sim.grasp.camera import Camera
 from space_robot_sim.grasp.dynamics import Push
-from space_robot_sim.grasp.plant import HeldBody, whole_steps
+from space_robot_sim.grasp.plant import GraspedBody, whole_steps
 from space_robot_sim.grasp.spec import AirbearingSpec
-from space_robot_sim.initial import InitialState
+from space_robot_sim.initial import InitialState, RunConditions
 
 FORWARD, SIDEWAYS, YAW = 0, 1, 5
 
 
-class AirbearingTestbed(HeldBody):
+class AirbearingTestbed(GraspedBody):
     """Two bodies that glide on a table: x, y and yaw of the base are pushed, everything else carries or gives way.
 
     The base is pushed by thrusters (their line of action misses the origin) and by a flywheel with lag; the robot's
@@ -31,11 +30,7 @@ class AirbearingTestbed(HeldBody):
     Args:
         robot: the truth: masses, inertias, where the grasp is, limits of thrusters and wheels.
         spec: the rest of the testbed.
-        control_period: [ns].
-        initial: where a run starts, in the plane.
-        seed: of cameras and disturbance.
-        delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
-        hold: what acts in place of a missing command: nothing, or the last one.
+        conditions: of the run; it starts in the plane, the seed is that of cameras and disturbance.
 
     Raises:
         SpecError: an argument does not fit the robot, the plane or the period.
@@ -45,17 +40,12 @@ class AirbearingTestbed(HeldBody):
         self,
         robot: Robot,
         spec: AirbearingSpec,
-        *,
-        control_period: int,
-        initial: InitialState,
-        seed: int = 0,
-        delay_periods: Literal[0, 1] = 0,
-        hold: Literal["zero", "last"] = "zero",
+        conditions: RunConditions,
     ) -> None:
         if robot.n != 3:
             accepted = "a free-flying base and the three joints of the grasp"
             raise SpecError("does not lie on the table", key="robot", value=f"{robot.n} joints", accepted=accepted)
-        _check_planar(initial)
+        _check_planar(conditions.initial)
         limit, self._full = plane_limits(robot)
         super().__init__(
             robot,
@@ -65,15 +55,13 @@ class AirbearingTestbed(HeldBody):
             orbit=None,
             step=spec.step,
             seen=whole_steps(round(spec.camera.delay * NANOSECONDS), spec.step, "plant.camera.delay"),
-            control_period=control_period,
-            initial=initial,
-            delay_periods=delay_periods,
-            hold=hold,
+            conditions=conditions,
         )
         self._offset = spec.thruster_offset
-        camera_seed, push_seed = np.random.SeedSequence(seed).spawn(2)
+        camera_seed, push_seed = np.random.SeedSequence(conditions.seed).spawn(2)
         lengths = np.array(robot.prismatic)
-        self._camera = Camera(spec.camera, lengths, control_period, int(camera_seed.generate_state(1, np.uint64)[0]))
+        camera_number = int(camera_seed.generate_state(1, np.uint64)[0])
+        self._camera = Camera(spec.camera, lengths, conditions.control_period, camera_number)
         self._outside = _disturbance(spec, np.random.default_rng(push_seed))
         self.reset()
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
 from space_robot_description.report import torque_capacity
@@ -13,23 +11,19 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
 from space_robot_sim.grasp.dynamics import Push
 from space_robot_sim.grasp.orbit import Orbit
-from space_robot_sim.grasp.plant import HeldBody
+from space_robot_sim.grasp.plant import GraspedBody
 from space_robot_sim.grasp.spec import CapturedSpec, ConfigurationChange
-from space_robot_sim.initial import InitialState
+from space_robot_sim.initial import RunConditions
 from space_robot_sim.sensors import Sensors
 
 
-class CapturedDebris(HeldBody):
+class CapturedDebris(GraspedBody):
     """Every joint but the grasp has a motor; base force and torque come from thrusters.
 
     Args:
         robot: the truth, with the debris behind the three joints of the grasp.
         spec: the rest.
-        control_period: [ns].
-        initial: where a run starts.
-        seed: of the sensors.
-        delay_periods: see ``HeldBody``.
-        hold: see ``HeldBody``.
+        conditions: of the run; the seed is that of the sensors.
 
     Raises:
         SpecError: an argument does not fit the robot or the period, or the robot turns its base with wheels.
@@ -39,12 +33,7 @@ class CapturedDebris(HeldBody):
         self,
         robot: Robot,
         spec: CapturedSpec,
-        *,
-        control_period: int,
-        initial: InitialState,
-        seed: int = 0,
-        delay_periods: Literal[0, 1] = 0,
-        hold: Literal["zero", "last"] = "zero",
+        conditions: RunConditions,
     ) -> None:
         super().__init__(
             robot,
@@ -54,12 +43,9 @@ class CapturedDebris(HeldBody):
             orbit=None if spec.orbit is None else Orbit(spec.orbit),
             step=spec.step,
             seen=0,
-            control_period=control_period,
-            initial=initial,
-            delay_periods=delay_periods,
-            hold=hold,
+            conditions=conditions,
         )
-        self._sensors = Sensors(spec.sensors, robot.n, control_period, seed)
+        self._sensors = Sensors(spec.sensors, robot.n, conditions.control_period, conditions.seed)
         self._change = spec.change
         self.reset()
 

@@ -1,4 +1,4 @@
-"""Momentum and energy of a grasped robot against the work and impulse that were booked."""
+"""Momentum and energy of a grasped robot compared with the work and impulse done on it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pinocchio as pin
 from space_robot_msgs_py.interfaces import Vector
 
 
-class Books:
+class ConservationBalance:
     """Residuals since the start of a run, relative to the largest sum of the bodies' own magnitudes so far.
 
     Args:
@@ -22,18 +22,18 @@ class Books:
         self.reset()
 
     def reset(self) -> None:
-        """The next balance is the first of a run."""
+        """Take the next state as the baseline."""
         self._first: Vector | None = None
         self._largest = np.zeros(3)
 
-    def balance(self, q: Vector, v: Vector, wheels: Vector, booked: Vector) -> tuple[Vector, float, Vector]:
+    def balance(self, q: Vector, v: Vector, wheels: Vector, done: Vector) -> tuple[Vector, float, Vector]:
         """Return momentum (6: linear, angular about the inertial origin, wheels included), energy and residuals (3).
 
         Args:
             q: (7+n,) configuration.
             v: (6+n,) velocity.
             wheels: (3,) momentum of the wheels relative to the base, body frame [N m s].
-            booked: (7,) work, impulse, angular impulse since the start.
+            done: (7,) work, impulse, angular impulse since the start.
 
         Returns:
             Momentum [N s, N m s], kinetic energy [J], relative residuals of linear and angular momentum and of energy.
@@ -55,10 +55,10 @@ class Books:
         gross = [
             sum(float(np.linalg.norm(body.linear)) for body in bodies),
             sum(float(np.linalg.norm(body.angular)) for body in bodies) + float(np.linalg.norm(stored)),
-            max(energy, abs(float(booked[0]))),
+            max(energy, abs(float(done[0]))),
         ]
         self._largest = np.maximum(self._largest, gross)
-        gone = now - self._first - np.concatenate([booked[1:], booked[:1]])
+        gone = now - self._first - np.concatenate([done[1:], done[:1]])
         error = np.array([np.linalg.norm(gone[:3]), np.linalg.norm(gone[3:6]), abs(gone[6])])
         residuals = np.divide(error, self._largest, out=np.zeros(3), where=self._largest > 0.0)
         return momentum, energy, residuals

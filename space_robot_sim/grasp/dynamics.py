@@ -71,7 +71,7 @@ class GraspDynamics:
         self.velocity, self.bristle = slice(7 + n, 13 + 2 * n), 13 + 2 * n
         self.wheel_torque = slice(14 + 2 * n, 17 + 2 * n)
         self.wheels = slice(17 + 2 * n, 20 + 2 * n)
-        self.books = slice(20 + 2 * n, 27 + 2 * n)
+        self.balance = slice(20 + 2 * n, 27 + 2 * n)
         self.size, self.n = 27 + 2 * n, n
         self._stages = np.zeros((STAGES, self.size))
         self._q = pin.neutral(robot.model)
@@ -103,14 +103,14 @@ class GraspDynamics:
         arm = cross(position, inertial)
         power = sum(a * b for a, b in zip((*force, *torque, *effort), (*twist, *rates), strict=True))
         # The torque has the gyroscopic part, which does no work: it is at right angles to omega.
-        books = [power, *inertial, *(arm[i] + moment[i] for i in range(3))]
+        balance = [power, *inertial, *(arm[i] + moment[i] for i in range(3))]
         if self._orbit is not None:
             fall = self._orbit.acceleration(t, (position[0], position[1], position[2]))
             # Everything falls alike: the base gains the acceleration, joints and rotation do not notice.
             acceleration = acceleration + np.array([*turn_back(quaternion, fall), *[0.0] * (3 + n)])
-            books = [a + b for a, b in zip(books, self._weight(fall, position, quaternion, y), strict=True)]
+            balance = [a + b for a, b in zip(balance, self._weight(fall, position, quaternion, y), strict=True)]
         turning = self._wheel_slope(wheel_torque, push.torque)
-        rest = stretch, *turning, *(-part for part in wheel_torque), *books
+        rest = stretch, *turning, *(-part for part in wheel_torque), *balance
         pose = (*turn(quaternion, twist[:3]), *quaternion_rate(quaternion, omega), *rates)
         return np.array([*pose, *acceleration.tolist(), *rest])
 

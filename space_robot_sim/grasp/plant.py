@@ -1,10 +1,9 @@
-"""What every robot with a second body in its grasp does as a plant: delay and hold, integration, books, telemetry."""
+"""What every robot with a second body in its grasp does as a plant: delay and hold, integration, balance, telemetry."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import deque
-from typing import Literal
 
 import numpy as np
 
@@ -12,16 +11,16 @@ from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.command_hold import Acting, CommandHold
-from space_robot_sim.grasp.conservation import Books
+from space_robot_sim.grasp.conservation import ConservationBalance
 from space_robot_sim.grasp.dynamics import GraspDynamics, Push
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.orbit import Orbit
 from space_robot_sim.grasp.spec import GraspSpec
 from space_robot_sim.grasp.telemetry import GraspTelemetry
-from space_robot_sim.initial import InitialState
+from space_robot_sim.initial import RunConditions
 
 
-class HeldBody(ABC):
+class GraspedBody(ABC):
     """A robot whose grasp gives way; subclasses say what the actuators make of a command and what is seen.
 
     Args:
@@ -32,10 +31,7 @@ class HeldBody(ABC):
         orbit: moves the frame of the state; None: free space.
         step: of the integration [s].
         seen: how many integration steps old configurations are kept for the sensors.
-        control_period: [ns].
-        initial: where a run starts.
-        delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
-        hold: what acts in place of a missing command: nothing, or the last one.
+        conditions: of the run.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -51,20 +47,18 @@ class HeldBody(ABC):
         orbit: Orbit | None,
         step: float,
         seen: int,
-        control_period: int,
-        initial: InitialState,
-        delay_periods: Literal[0, 1],
-        hold: Literal["zero", "last"],
+        conditions: RunConditions,
     ) -> None:
+        initial, control_period = conditions.initial, conditions.control_period
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
         joints, force = grasp_joints(robot, grasp), Grasp(grasp)
         self._n, self._initial, self._limit, self._lag = robot.n, initial, limit, lag
         self._steps = whole_steps(control_period, step, "control_period")
         self._period, self._h = control_period, control_period / NANOSECONDS / self._steps
-        self._hold = CommandHold(robot.n, delay_periods=delay_periods, hold=hold)
+        self._hold = CommandHold(robot.n, delay_periods=conditions.delay_periods, hold=conditions.hold)
         self._layout = GraspDynamics(robot, force, joints, lag, orbit)
-        self._books, self._telemetry = Books(robot.model), GraspTelemetry(robot, joints, force)
+        self._conservation, self._telemetry = ConservationBalance(robot.model), GraspTelemetry(robot, joints, force)
         self._seen: deque[Vector] = deque(maxlen=seen + 1)
 
     @abstractmethod
@@ -86,7 +80,7 @@ class HeldBody(ABC):
         self._stamp = 0
         nothing = self._hold.reset()
         self._forget()
-        self._books.reset()
+        self._conservation.reset()
         self._seen.clear()
         self._seen.append(self._y[: 7 + self._n].copy())
         return self._show(nothing, Push.none(self._n), np.zeros(3), 0.0)
@@ -121,7 +115,7 @@ class HeldBody(ABC):
             motion=y[: 13 + 2 * n],
             grasp=(float(y[layout.bristle]), push.rest, push.turning),
             wheels=y[layout.wheels],
-            balance=self._books.balance(y[: 7 + n], y[layout.velocity], y[layout.wheels], y[layout.books]),
+            balance=self._conservation.balance(y[: 7 + n], y[layout.velocity], y[layout.wheels], y[layout.balance]),
             quaternion_residual=quaternion_residual,
             applied=np.concatenate([push.force, wheels + push.moment, push.effort]),
             acting=acting,

@@ -46,7 +46,7 @@ class GraspTelemetry:
             motion: (13+2n,) true q and v.
             grasp: its bristle [rad], and ``rest`` and ``turning`` of the push.
             wheels: (3,) [N m s].
-            balance: momentum, energy and residuals, see ``Books``.
+            balance: momentum, energy and residuals, see ``ConservationBalance``.
             quaternion_residual: before it was made unit [-].
             applied: (6+n,) mean force, torque and motor efforts over the period [N, N m].
             acting: the command that acted.

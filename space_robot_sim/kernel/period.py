@@ -58,9 +58,9 @@ class Flight(NamedTuple):
 def flight(joints: int, wheels: int) -> Flight:
     """Memory for a robot with that many joints and wheels."""
     y = np.zeros(13 + 2 * joints + QUADRATURES)
-    books = np.zeros(BALANCE_SIZE), np.zeros(BALANCE_SIZE), np.zeros(3), np.zeros(GAUGES)
+    balance = np.zeros(BALANCE_SIZE), np.zeros(BALANCE_SIZE), np.zeros(3), np.zeros(GAUGES)
     motors, effort = np.zeros(joints), np.zeros(joints)
-    return Flight(y, np.zeros(wheels), motors, effort, *books, scratch(joints), allocation(joints, wheels))
+    return Flight(y, np.zeros(wheels), motors, effort, *balance, scratch(joints), allocation(joints, wheels))
 
 
 @kernel
@@ -69,13 +69,13 @@ def fly(
 ) -> int:
     """One control period [s] under a command (6+n,); returns the status of `integrate`.
 
-    With ``start`` no time passes: the books are opened on the state as it is. One entry for both, because every entry
-    from Python costs seconds when it is first compiled.
+    With ``start`` no time passes: the conservation baseline is taken from the state as it is. One entry for both,
+    because every entry from Python costs seconds when it is first compiled.
     """
     count = allocate(able, command, period, plant.wheels, plant.allocation)
     drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
     if start:
-        open_books(robot, able, drive, plant)
+        reset_baseline(robot, able, drive, plant)
         return DONE
     status = integrate(robot, drive, count, how, plant.y, plant.scratch)
     if status == DONE:
@@ -84,17 +84,17 @@ def fly(
 
 
 @kernel
-def open_books(robot: RobotArrays, able: Capability, drive: Drive, plant: Flight) -> None:
+def reset_baseline(robot: RobotArrays, able: Capability, drive: Drive, plant: Flight) -> None:
     """Balance and acceleration of the initial state, against which the run is measured."""
     slope(robot, drive, FIRST, 0.0, plant.y, plant.scratch.slope, plant.scratch)
     balance(robot, plant.y, able.axes, plant.wheels, plant.scratch.bodies, plant.initial)
-    keep_books(robot, able, plant)
+    update_balance(robot, able, plant)
     plant.gauges[3] = 0.0
 
 
 @kernel
 def settle(robot: RobotArrays, able: Capability, period: float, plant: Flight) -> None:
-    """After the integration of a period: unit quaternion, motors and wheels at its end, the books."""
+    """After the integration of a period: unit quaternion, motors and wheels at its end, the conservation balance."""
     y = plant.y
     norm = math.sqrt(y[3] * y[3] + y[4] * y[4] + y[5] * y[5] + y[6] * y[6])
     plant.gauges[3] = abs(norm - 1.0)
@@ -109,11 +109,11 @@ def settle(robot: RobotArrays, able: Capability, period: float, plant: Flight) -
     for wheel in range(plant.wheels.shape[0]):
         rate, stop = plant.allocation.level[6 + wheel], plant.allocation.stop[6 + wheel]
         plant.wheels[wheel] = max(-limit, min(limit, plant.wheels[wheel] + rate * stop))
-    keep_books(robot, able, plant)
+    update_balance(robot, able, plant)
 
 
 @inner
-def keep_books(robot: RobotArrays, able: Capability, plant: Flight) -> None:
+def update_balance(robot: RobotArrays, able: Capability, plant: Flight) -> None:
     """Balance at this instant, its residuals against the start of the run, and the base's acceleration."""
     y, now, initial, largest, gauges = plant.y, plant.now, plant.initial, plant.largest, plant.gauges
     n = plant.motors.shape[0]

@@ -66,7 +66,7 @@ def test_motor_lag_is_a_first_order_step_response() -> None:
 
 
 def test_viscous_friction_decays_exponentially() -> None:
-    """A coasting joint with viscous friction slows as exp(-c t / I), and the lost energy is in the books."""
+    """A coasting joint with viscous friction slows as exp(-c t / I), and the lost energy is in the balance."""
     sample = push(coaxial_plant({"effort": 10.0, "viscous": 0.2}, rate=3.0), effort=[0.0], periods=20)
     assert sample.state.joint_rates[0] == pytest.approx(3.0 * np.exp(-0.2 * 2.0 / 0.4), rel=1e-9)
     assert sample.telemetry["energy_residual"][0] < 1e-9

@@ -1,4 +1,4 @@
-"""The simulated robot: conservation, the books it keeps, delay and hold, errors, reproducibility."""
+"""The simulated robot: conservation, the conservation balance, delay and hold, errors, reproducibility."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_conserves_momentum_and_energy(
     assert np.all(worst < [1e-10, 1e-10, 1e-9, 1e-10]), worst
 
 
-def test_books_balance_under_external_forces() -> None:
+def test_momentum_and_energy_balance_under_external_forces() -> None:
     """With forces, torques, lag and friction, momentum changes by the impulse and energy by the work."""
     plant = plant_of({"joints": {"effort": 1e3, "lag": 0.05, "viscous": 0.3, "coulomb": 0.02}})
     last = fly(plant, 100)[-1]

@@ -1,4 +1,4 @@
-"""The air-bearing testbed: its books, its grasp, its cameras, its actuators, and what it refuses."""
+"""The air-bearing testbed: its balance, its grasp, its cameras, its actuators, and what it refuses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from space_robot_sim.grasp.airbearing import AirbearingTestbed
 from space_robot_sim.grasp.camera import Camera
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.spec import AirbearingSpec, CameraSpec, GraspSpec
-from space_robot_sim.initial import InitialState
+from space_robot_sim.initial import InitialState, RunConditions
 
 PERIOD = 100_000_000
 CALM: dict[str, Any] = {
@@ -30,9 +30,7 @@ def bench(robot: Robot | None = None, seed: int = 0, **spec: Any) -> AirbearingT
     return AirbearingTestbed(
         robot or load_robot("airbearing"),
         AirbearingSpec.model_validate(spec),
-        control_period=PERIOD,
-        initial=InitialState(q, np.zeros(9)),
-        seed=seed,
+        RunConditions(PERIOD, InitialState(q, np.zeros(9)), seed),
     )
 
 
@@ -49,8 +47,8 @@ def yaw(sample: PlantSample) -> float:
     return float(2.0 * np.arctan2(q[5], q[6]))
 
 
-def test_the_books_balance_to_the_bounds_of_every_run() -> None:
-    """Pushed, slipping and disturbed, the testbed keeps momentum to 1e-9 and energy to 1e-8 of what was booked."""
+def test_balance_closes_within_the_bounds_of_every_run() -> None:
+    """Pushed, slipping and disturbed, the testbed balances momentum to 1e-9 and energy to 1e-8."""
     commands = [push(0.1 * np.sign(np.cos(0.05 * k)), 0.1 * np.sign(np.cos(0.07 * k))) for k in range(600)]
     samples = fly(bench(), commands)
     for label, bound in (("momentum_residual", 1e-9), ("energy_residual", 1e-8), ("quaternion_residual", 1e-12)):
@@ -171,8 +169,7 @@ def test_what_is_no_testbed_is_refused() -> None:
         AirbearingTestbed(
             load_robot("airbearing"),
             AirbearingSpec(),
-            control_period=PERIOD,
-            initial=InitialState(np.array([0, 0, 1.0, 0, 0, 0, 1, 0, 0, 0]), np.zeros(9)),
+            RunConditions(PERIOD, InitialState(np.array([0, 0, 1.0, 0, 0, 0, 1, 0, 0, 0]), np.zeros(9))),
         )
     with pytest.raises(CommandError, match="effort"):
         bench().step(Command(0, np.zeros(6), np.zeros(2)))

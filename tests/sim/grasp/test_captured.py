@@ -1,4 +1,4 @@
-"""A robot that has captured debris: books, slip, a shift of the grasp, central gravity, and what it refuses."""
+"""A robot that has captured debris: balance, slip, a shift of the grasp, central gravity, and what it refuses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from space_robot_msgs_py.interfaces import Command, PlantSample, Vector
 from space_robot_sim.grasp.captured import CapturedDebris
 from space_robot_sim.grasp.orbit import Orbit
 from space_robot_sim.grasp.spec import CapturedSpec, OrbitSpec
-from space_robot_sim.initial import InitialState
+from space_robot_sim.initial import InitialState, RunConditions
 
 PERIOD = 100_000_000
 GRASP = {
@@ -33,7 +33,7 @@ def captured(
 ) -> CapturedDebris:
     q, v = np.array([*position, 0, 0, 0, 1, 0, 0, 0]), np.array([*velocity, 0, 0, 0, 0, 0, 0])
     model = CapturedSpec.model_validate({"grasp": GRASP} | spec)
-    return CapturedDebris(load_robot("pccs"), model, control_period=period, initial=InitialState(q, v))
+    return CapturedDebris(load_robot("pccs"), model, RunConditions(period, InitialState(q, v)))
 
 
 def fly(plant: CapturedDebris, wrench: tuple[float, ...], periods: int) -> list[PlantSample]:
@@ -46,7 +46,7 @@ def worst(samples: list[PlantSample], label: str) -> float:
 
 
 @pytest.mark.parametrize("orbit", [None, {"radius": 6.878e6}])
-def test_the_books_balance(orbit: dict[str, float] | None) -> None:
+def test_momentum_and_energy_balance(orbit: dict[str, float] | None) -> None:
     """Pushed, turned and shifted, in free space and in orbit, momentum and energy are what was booked."""
     samples = fly(captured((5.0, -3.0, 1.0), change=CHANGE, orbit=orbit), (20.0, -10.0, 5.0, 4.0, -3.0, 6.0), 200)
     assert worst(samples, "momentum_residual") < 1e-9
