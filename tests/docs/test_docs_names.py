@@ -146,6 +146,14 @@ def test_pages_name_only_what_exists() -> None:
     assert not missing, "\n".join(["the pages name what does not exist:", *missing])
 
 
+@pytest.mark.parametrize("script", ["Makefile", ".ci/run", ".ci/variant", ".github/workflows/ci.yml"])
+def test_scripts_name_only_files_that_exist(script: str) -> None:
+    """A folder of tests that is moved is moved in what CI runs, too."""
+    named = re.findall(rf"(?<![\w/.-])(?:{'|'.join(map(re.escape, TOP))})/[\w./*-]*\w", (ROOT / script).read_text())
+    missing = [name for name in named if not path_exists(name)]
+    assert not missing, f"{script} names what does not exist: {missing}"
+
+
 @pytest.mark.parametrize(
     "text",
     [
