@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 import shutil
 import sys
@@ -40,11 +39,3 @@ def test_every_command_of_the_readme_runs(
         # verdicts, not mistakes.
         fine = {0, 1} if {"--set", "--realtime"} & set(command) else {0}
         assert end.value.code in fine, f"{shlex.join(command)}: {said.err}"
-
-
-def test_every_link_of_the_pages_leads_somewhere() -> None:
-    """Relative links and pictures of README and docs exist."""
-    for page in [ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")]:
-        for target in re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8")):
-            if not target.startswith("http"):
-                assert (page.parent / target).exists(), f"{page.name} links to {target}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import shlex
 import sys
 import tomllib
@@ -12,10 +13,12 @@ from xml.etree import ElementTree
 
 import pytest
 
+from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.topics import TABLE
 from tests.support.distribution import ROOT, build_wheel, executables
 
-SHARE, DATA = "share/space_robot", "space_robot-0.1.0.data/data"
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+SHARE, DATA = "share/space_robot", f"space_robot-{PROJECT['version']}.data/data"
 PACKAGES = [f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup")]
 
 
@@ -65,11 +68,35 @@ def test_package_xml_names_every_ros_package_that_is_used(monkeypatch: pytest.Mo
 
 def test_the_workspace_instructions_name_every_other_dependency() -> None:
     """What rosdep cannot bring is in the page's pip line, as it is in pyproject; Pinocchio and numpy rosdep brings."""
-    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
-    others = {name for name in declared if not name.startswith(("pin>", "numpy>"))}
+    others = {name for name in PROJECT["dependencies"] if not name.startswith(("pin>", "numpy>"))}
     page = (ROOT / "docs" / "ros2.md").read_text().splitlines()
     (line,) = (line for line in page if line.startswith("pip install 'numba"))
     assert set(shlex.split(line)[2:]) == others | {"numpy>=1.26,<2"}
+
+
+def test_there_is_one_version() -> None:
+    """The version of pyproject.toml is that of the ROS package, of the citation, and of every wheel a page names."""
+    package, citation = ElementTree.parse(ROOT / "package.xml").getroot(), _citation()
+    pages = [path.read_text() for path in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md"))]
+    named = {found for text in pages for found in re.findall(r"space_robot-(\d[\w.]*)-py3", text)}
+    assert {package.findtext("version"), citation["version"], *named} == {PROJECT["version"]}
+
+
+def test_there_is_one_license_and_one_address(wheel: zipfile.ZipFile) -> None:
+    """Licence and repository agree in wheel, package.xml and CITATION.cff; the wheel has the text of the licence."""
+    name = f"space_robot-{PROJECT['version']}.dist-info"
+    metadata = wheel.read(f"{name}/METADATA").decode().partition("\n\n")[0]
+    fields = dict(line.split(": ", 1) for line in metadata.splitlines() if line.startswith("License"))
+    assert fields == {"License-Expression": "Apache-2.0", "License-File": "LICENSE"}
+    assert wheel.read(f"{name}/licenses/LICENSE") == (ROOT / "LICENSE").read_bytes()
+    assert ElementTree.parse(ROOT / "package.xml").findtext("license") == _citation()["license"] == "Apache-2.0"
+    repository = PROJECT["urls"]["Repository"]
+    assert repository == _citation()["repository-code"]
+    assert all(address.startswith(repository) for address in PROJECT["urls"].values())
+
+
+def _citation() -> dict[str, object]:
+    return parse_yaml_text((ROOT / "CITATION.cff").read_text(), "CITATION.cff")
 
 
 def _modules(node: ast.AST) -> list[str]:
