@@ -12,6 +12,7 @@ import pytest
 
 from space_robot_bringup.cli import main
 from space_robot_bringup.experiment import experiment_path
+from tests.nonempty import nonempty
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -44,7 +45,7 @@ def test_every_command_of_the_readme_runs(
 
 def test_every_link_of_the_pages_leads_somewhere() -> None:
     """Relative links and pictures of README and docs exist."""
-    for page in [ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")]:
-        for target in re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8")):
-            if not target.startswith("http"):
-                assert (page.parent / target).exists(), f"{page.name} links to {target}"
+    pages = [ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")]
+    links = [(page, link) for page in pages for link in re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))]
+    for page, target in nonempty(link for link in links if not link[1].startswith("http")):
+        assert (page.parent / target).exists(), f"{page.name} links to {target}"

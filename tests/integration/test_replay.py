@@ -139,7 +139,9 @@ def test_a_cut_log_is_compared_to_its_end(bag: Path, tmp_path: Path) -> None:
 def test_a_gap_ends_the_comparison_and_is_said(bag: Path, tmp_path: Path) -> None:
     """After a missing tick neither law nor plant knows the past: what follows is not compared, and a note says so."""
     gap = rewritten(bag, tmp_path / "run", lambda stamp, parts: None if stamp == 5 * PERIOD else parts)
-    for outcome in replayed(gap).outcomes:
+    done = replayed(gap)
+    assert [outcome.against for outcome in done.outcomes] == ["controller", "plant"]
+    for outcome in done.outcomes:
         assert outcome.equal
         assert outcome.ticks == 5
         assert "states are missing between" in outcome.remarks[-1]
