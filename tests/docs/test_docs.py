@@ -18,6 +18,7 @@ from space_robot_studies.campaign.cases import check_cases, make_case
 from space_robot_studies.campaign.run_case import fly_case
 from space_robot_studies.campaign.spec import load_campaign
 from tests.support.paths import ROOT
+from tests.nonempty import nonempty
 
 PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
 EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
@@ -100,7 +101,7 @@ def test_overrides_on_the_pages_work() -> None:
 
 def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Python copied from a page runs where the run directory it speaks of is."""
-    snippets = [text for page in PAGES for text in blocks(page, "python")]
+    snippets = nonempty(text for page in PAGES for text in blocks(page, "python"))
     monkeypatch.chdir(tmp_path)
     for directory in {name for text in snippets for name in re.findall(r'"((?:runs|out)/[\w/]+)"', text)}:
         run_experiment(load_experiment("liu2023/fig08", ["duration=1.0"]), Path(directory), mode="headless")

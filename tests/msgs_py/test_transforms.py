@@ -12,6 +12,8 @@ from space_robot_msgs_py.log.writer import LogSink
 from space_robot_msgs_py.topics import TF, TF_STATIC
 from space_robot_msgs_py.transforms import FrameTransforms
 from tests.support import values
+from tests import values
+from tests.nonempty import nonempty
 
 SLIDER = """<robot name="slider">
   <link name="base_link"/><link name="rail"/><link name="cart"/>
@@ -61,7 +63,7 @@ def test_every_link_stands_where_pinocchio_puts_it(name):
     pin.framesForwardKinematics(robot.model, data, state.q)
     links = [frame for frame in robot.model.frames if frame.type == pin.FrameType.BODY]
     assert {link.name for link in links} <= found.keys()
-    for link in links:
+    for link in nonempty(links):
         expected = data.oMf[robot.model.getFrameId(link.name, pin.FrameType.BODY)]
         assert placed(found, link.name).isApprox(expected, 1e-12), link.name
 

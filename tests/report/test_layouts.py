@@ -104,9 +104,9 @@ def test_plotjuggler_plots_what_is_there(last: dict[str, Any], name: str) -> Non
         joint, field = steps
         assert len(getattr(message, field)) > message.name.index(joint)
         return
-    steps = [step for step in steps if step not in ("roll_deg", "pitch_deg", "yaw_deg")]
-    value = walk(message, steps)
-    assert isinstance(value, float) or hasattr(value, "w")
+    angles = [step for step in steps if step in ("roll_deg", "pitch_deg", "yaw_deg")]
+    value = walk(message, [step for step in steps if step not in angles])
+    assert hasattr(value, "w") if angles else isinstance(value, float)
 
 
 def test_rviz_shows_what_is_there(last: dict[str, Any]) -> None:

@@ -105,6 +105,7 @@ def test_bags_of_other_tools_replay_to_the_bit(ours: Path, tmp_path: Path, form:
     """Whatever the tool, chunks, compression, split, order and padding: controller and plant are equal."""
     bag = write(form, ours, tmp_path / "bag")
     done = run(bag, namespace="robot1" if form == "namespace" else "")
+    assert [outcome.against for outcome in done.outcomes] == ["controller", "plant"]
     for outcome in done.outcomes:
         assert outcome.first is None
         assert outcome.absent == ()

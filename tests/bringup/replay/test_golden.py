@@ -39,7 +39,9 @@ IDLE_ON_A_FLOATING_BASE = ("rls.force_noise", "translation")
 @pytest.mark.parametrize("name", GOLDEN)
 def test_the_golden_logs_replay(name: str) -> None:
     """Controller and plant of today give the commands and states of the day the log was made."""
-    for outcome in replay(FOLDER / name, Order(tolerance=NEARLY)).outcomes:
+    outcomes = replay(FOLDER / name, Order(tolerance=NEARLY)).outcomes
+    assert [outcome.against for outcome in outcomes] == ["controller", "plant"]
+    for outcome in outcomes:
         assert outcome.first is None, f"{outcome.first}; if it is meant so: make golden"
         assert outcome.absent == ()
         assert outcome.ticks == 21

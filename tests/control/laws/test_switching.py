@@ -127,6 +127,8 @@ def test_telemetry_has_one_layout_and_nothing_of_idle_laws() -> None:
     names = ["adaptive", "ntsmc", "mfac"]
     assert len({(t.output.telemetry.labels, t.output.telemetry.sizes) for t in shipped()}) == 1
     assert [shipped()[tick].output.telemetry["active_law"].item() for tick in (0, 99, 100, 200, 300)] == [0, 0, 1, 2, 0]
+    owners = {label.partition(".")[0] for label in shipped()[0].output.telemetry.labels}
+    assert owners > set(names)
     for tick in shipped():
         active = names[int(tick.output.telemetry["active_law"].item())]
         for label, block in tick.output.telemetry.items():

@@ -88,6 +88,7 @@ def test_arrays_are_the_ticks_stacked(run):
     """Every array holds, row by row, the bits of the ticks."""
     reader = LogReader(run)
     arrays, ticks = reader.arrays(), list(reader.ticks())
+    assert len(ticks) == COUNT
     assert arrays.time.tolist() == [tick.stamp / NANOSECONDS for tick in ticks]
     for row, tick in enumerate(ticks):
         state, reference, command = tick.sample.state, tick.reference, tick.output.command
@@ -132,27 +133,42 @@ def _records(data):
     return scan(stream, len(data))
 
 
+@pytest.fixture(scope="module")
+def ends(run):
+    """Where the chunk with all messages ends, and where the record of the run's end does, as mcap itself finds them."""
+    with (run / "run_0.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    (chunk,) = summary.chunk_indexes
+    (end,) = (index for index in summary.metadata_indexes if index.name == "end")
+    return chunk.chunk_start_offset + chunk.chunk_length, end.offset + end.length
+
+
 @pytest.mark.parametrize("part", range(1, 20))
-def test_a_cut_indexed_file_is_read_too(run, tmp_path, part):
-    """A closed log that was truncated later gives ticks from the beginning or one clear line."""
-    data = (run / "run_0.mcap").read_bytes()
+def test_a_cut_indexed_file_is_read_too(run, ends, tmp_path, part):
+    """A closed log that was truncated later gives every tick if its chunk is whole, else none; its end where it is."""
+    data, (messages, end) = (run / "run_0.mcap").read_bytes(), ends
+    cut = len(data) * part // 20
     path = tmp_path / "cut_0.mcap"
-    path.write_bytes(data[: len(data) * part // 20])
+    path.write_bytes(data[:cut])
     ticks, refusal = _attempt(path)
-    assert len(ticks) in (0, COUNT)
+    assert refusal is None
+    assert len(ticks) == (COUNT if cut >= messages else 0)
     assert _beginning(ticks)
-    assert "\n" not in (refusal or "")
+    assert LogReader(path).end_reason == ("completed" if cut >= end else None)
 
 
 @pytest.mark.parametrize("part", range(60))
-def test_damage_is_noticed_or_harmless(run, tmp_path, part):
-    """A closed log with one byte changed is one clear error or still gives the right ticks."""
-    data = bytearray((run / "run_0.mcap").read_bytes())
-    data[len(data) * part // 60] ^= 0x10
+def test_damage_is_noticed_or_harmless(run, ends, tmp_path, part):
+    """With a byte changed a closed log is one clear error, all its ticks, or truncated; behind its ticks it is all."""
+    data, (messages, _) = bytearray((run / "run_0.mcap").read_bytes()), ends
+    at = len(data) * part // 60
+    data[at] ^= 0x10
     path = tmp_path / "damaged_0.mcap"
     path.write_bytes(data)
     ticks, refusal = _attempt(path)
     assert _beginning(ticks)
+    whole = refusal is None and len(ticks) == COUNT
+    assert whole if at >= messages else whole or refusal or LogReader(path).end_reason is None
     assert "\n" not in (refusal or "")
 
 

@@ -16,15 +16,25 @@ from space_robot_msgs_py.nodes.parameters import LONGEST, from_ros, to_ros
 pytestmark = pytest.mark.ros
 
 
-@pytest.mark.parametrize(
-    "value",
-    [True, 3, 0.1, "text", [1.0, 2.0], ["a", "b"], [True, False], None, [], {}, {"joint": 0.5}, [{"time": 1.0}]],
-)
-def test_a_value_comes_back_as_it_was(value: Any) -> None:
-    """Through the message of ROS; what has no type there is text that YAML reads as the same value."""
+def through_ros(value: Any) -> Any:
+    """What is left of a value after the message of ROS."""
     shown = Parameter("name", value=to_ros(value))
-    back = from_ros(Parameter.from_parameter_msg(shown.to_parameter_msg()).value)
-    assert back == value or parse_yaml_value(back, "name") == value
+    return from_ros(Parameter.from_parameter_msg(shown.to_parameter_msg()).value)
+
+
+@pytest.mark.parametrize("value", [True, 3, 0.1, "text", [1.0, 2.0], ["a", "b"], [True, False]])
+def test_a_value_comes_back_as_it_was(value: Any) -> None:
+    """What has a type in ROS goes through its message and is the same value of the same type."""
+    back = through_ros(value)
+    assert (back, type(back)) == (value, type(value))
+
+
+@pytest.mark.parametrize("value", [None, [], {}, {"joint": 0.5}, [{"time": 1.0}]])
+def test_a_value_without_a_type_in_ros_comes_back_as_text(value: Any) -> None:
+    """The text is one that YAML reads as the same value."""
+    back = through_ros(value)
+    assert isinstance(back, str)
+    assert parse_yaml_value(back, "name") == value
 
 
 def test_arrays_are_plain_lists() -> None:

@@ -22,6 +22,8 @@ from space_robot_studies.campaign.spec import load_campaign
 from space_robot_studies.reproduce.plan import load_plan
 from space_robot_studies.reproduce.run import Job, fly
 from tests.support.tool import Tool, refused
+from tests.integration.tool import Tool, refused
+from tests.nonempty import nonempty
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
@@ -128,7 +130,7 @@ def test_the_command_of_a_run_gives_its_bag(space_robot: Tool, tmp_path: Path) -
     """A command copied from the page flies that run alone, to the same bytes."""
     write(tmp_path)
     assert space_robot("reproduce", "paper.yaml", "--figure", "8").returncode == 0
-    for run in claims(tmp_path / "out" / "paper")["figures"][0]["runs"]:
+    for run in nonempty(claims(tmp_path / "out" / "paper")["figures"][0]["runs"]):
         words = shlex.split(run["command"])
         assert words[:2] == ["space-robot", "run"]
         # Its own exit code is the verdict of the experiment's bounds, which this manifest shortens.
@@ -150,11 +152,11 @@ def test_the_page_has_everything_and_needs_nothing(space_robot: Tool, tmp_path: 
     assert "<tags>" not in page
     assert "A paper with &lt;tags&gt; &amp; brackets [red]" in page
     data = claims(tmp_path / "out" / "paper")
-    for figure in data["figures"]:
+    for figure in nonempty(data["figures"]):
         assert f'id="figure-{figure["name"]}"' in page
-        for run in figure["runs"]:
+        for run in nonempty(figure["runs"]):
             assert f"<pre>{run['command']}</pre>" in page
-        for claim in figure["claims"]:
+        for claim in nonempty(figure["claims"]):
             assert page.count(claim["paper"]) == 2
             assert claim["paper"] in done.stdout
             assert claim["verdict"] in done.stdout
@@ -362,7 +364,7 @@ def test_a_case_has_the_bits_the_campaign_flies(tmp_path: Path) -> None:
     manifest = {"8": {"title": "t", "runs": {"x": {"campaign": "giordano2023/sec5_euler", "runs": 2}}}}
     (tmp_path / "paper.yaml").write_text(json.dumps({"title": "t", "citation": "c", "figures": manifest}))
     campaign = load_campaign("giordano2023/sec5_euler")
-    for run in load_plan(str(tmp_path / "paper.yaml")).runs["8"]["x"]:
+    for run in nonempty(load_plan(str(tmp_path / "paper.yaml")).runs["8"]["x"]):
         overrides = (*run.flight.overrides, "duration=3.0")
         shown = fly(Job(run.flight.argument, overrides, tmp_path / run.flight.name, (), (), "none"))
         data = dict(make_case(campaign, run.values["run"]).data) | {"duration": 3.0}
