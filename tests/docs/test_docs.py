@@ -17,8 +17,8 @@ from space_robot_description.validation import parse_yaml_text
 from space_robot_studies.campaign.cases import check_cases, make_case
 from space_robot_studies.campaign.run_case import fly_case
 from space_robot_studies.campaign.spec import load_campaign
+from tests.support.nonempty import nonempty
 from tests.support.paths import ROOT
-from tests.nonempty import nonempty
 
 PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
 EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}

@@ -12,9 +12,6 @@ import pytest
 from space_robot_bringup.experiment.experiment import experiment_path
 from space_robot_cli.main import main
 from tests.support.paths import ROOT
-from space_robot_bringup.cli import main
-from space_robot_bringup.experiment import experiment_path
-from tests.nonempty import nonempty
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 COMMANDS = [line.split("#")[0].split() for line in README.splitlines() if line.startswith("space-robot ")]

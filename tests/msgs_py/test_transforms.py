@@ -12,8 +12,7 @@ from space_robot_msgs_py.log.writer import LogSink
 from space_robot_msgs_py.topics import TF, TF_STATIC
 from space_robot_msgs_py.transforms import FrameTransforms
 from tests.support import values
-from tests import values
-from tests.nonempty import nonempty
+from tests.support.nonempty import nonempty
 
 SLIDER = """<robot name="slider">
   <link name="base_link"/><link name="rail"/><link name="cart"/>

@@ -16,8 +16,7 @@ from space_robot_sim.grasp.captured import CapturedDebris
 from space_robot_sim.grasp.orbit import Orbit
 from space_robot_sim.grasp.spec import CapturedSpec, OrbitSpec
 from space_robot_sim.initial import InitialState, RunConditions
-from space_robot_sim.initial import InitialState
-from tests.nonempty import nonempty
+from tests.support.nonempty import nonempty
 
 PERIOD = 100_000_000
 GRASP = {

@@ -28,11 +28,7 @@ from space_robot_cli.main import main  # noqa: E402
 from space_robot_studies.campaign import dispatch as fleet  # noqa: E402
 from space_robot_studies.campaign.campaign import CampaignHooks, CampaignResult, run_campaign  # noqa: E402
 from space_robot_studies.campaign.spec import load_campaign  # noqa: E402
-from space_robot_bringup.campaign import fleet  # noqa: E402
-from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult, run_campaign  # noqa: E402
-from space_robot_bringup.campaign.spec import load_campaign  # noqa: E402
-from space_robot_bringup.cli import main  # noqa: E402
-from tests.nonempty import nonempty  # noqa: E402
+from tests.support.nonempty import nonempty  # noqa: E402
 
 pytestmark = pytest.mark.xdist_group("campaign")
 

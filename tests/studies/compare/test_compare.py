@@ -16,13 +16,8 @@ from space_robot_cli.main import main  # noqa: E402
 from space_robot_studies.campaign.spec import load_campaign, read_campaign  # noqa: E402
 from space_robot_studies.compare.comparison import METRICS, Comparison, compare  # noqa: E402
 from space_robot_studies.compare.tables import markdown, rows_of  # noqa: E402
+from tests.support.nonempty import nonempty  # noqa: E402
 from tests.support.tool import Tool, refused  # noqa: E402
-from space_robot_bringup.campaign.spec import load_campaign, read_campaign  # noqa: E402
-from space_robot_bringup.cli import main  # noqa: E402
-from space_robot_bringup.compare.comparison import METRICS, Comparison, compare  # noqa: E402
-from space_robot_bringup.compare.tables import markdown, rows_of  # noqa: E402
-from tests.integration.tool import Tool, refused  # noqa: E402
-from tests.nonempty import nonempty  # noqa: E402
 
 pytestmark = pytest.mark.xdist_group("campaign")
 

@@ -21,9 +21,8 @@ from space_robot_studies.campaign.run_case import fly_case
 from space_robot_studies.campaign.spec import load_campaign
 from space_robot_studies.reproduce.plan import load_plan
 from space_robot_studies.reproduce.run import Job, fly
+from tests.support.nonempty import nonempty
 from tests.support.tool import Tool, refused
-from tests.integration.tool import Tool, refused
-from tests.nonempty import nonempty
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("jinja2")
