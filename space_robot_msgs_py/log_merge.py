@@ -13,6 +13,9 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Header, Metadata, Schema, Statistics
 
 from space_robot_msgs_py.bag import Bag, Channels
+from space_robot_msgs_py.bounded_yaml import load_yaml
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.limits import METADATA_BYTES
 from space_robot_msgs_py.log_directory import BagTopic
 from space_robot_msgs_py.log_header import METADATA_NAME
 from space_robot_msgs_py.log_preamble import LIBRARY
@@ -160,11 +163,8 @@ def _add(writer: IndexedWriter, record: bytes) -> None:
 @cache
 def _offers(text: str) -> tuple[Mapping[str, Any], ...]:
     """The offered quality of service that a channel carries as YAML; none where it is unreadable."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
-
     try:
-        offers = YAML(typ="safe", pure=True).load(text)
-    except (YAMLError, ValueError, RecursionError):
+        offers = load_yaml(text, OFFERS, METADATA_BYTES)
+    except SpecError:
         return ()
     return tuple(offer for offer in offers if isinstance(offer, dict)) if isinstance(offers, list) else ()
