@@ -18,7 +18,9 @@ import space_robot_bringup.cli_studies  # noqa: F401  (their commands belong to 
 from space_robot_bringup.cli_app import (
     BAD_INPUT,
     FAILED,
+    AllowCodeOption,
     JsonOption,
+    LawOption,
     SetOption,
     app,
     err,
@@ -31,6 +33,7 @@ from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 if TYPE_CHECKING:
     from space_robot_bringup.experiment import Experiment
     from space_robot_bringup.run import RunResult
+    from space_robot_control.laws.policy import LawPolicy
 
 MODES = ("headless", "graph", "processes")
 
@@ -96,6 +99,8 @@ def run(
         Path | None, typer.Option("--from", metavar="DIR", help="fly one case of this campaign, with --index")
     ] = None,
     index: Annotated[int | None, typer.Option(help="of the case, with --from")] = None,
+    law: LawOption = None,
+    allow_code: AllowCodeOption = False,
     as_json: JsonOption = False,
     view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
     port: PortOption = 8080,
@@ -110,16 +115,24 @@ def run(
     from space_robot_bringup import render
     from space_robot_bringup.campaign.again import case_experiment, differences
     from space_robot_bringup.experiment import experiment_path, load_experiment, with_duration
+    from space_robot_bringup.logged import law_policy, with_laws
+    from space_robot_control.laws.policy import TYPED
 
+    policy = TYPED
     if campaign_directory is not None and index is not None and not (experiment or set_ or duration):
-        spec, name = case_experiment(campaign_directory, index), f"{campaign_directory.resolve().name}_{index:06d}"
+        spec = case_experiment(campaign_directory, index, allow_code=allow_code)
+        policy = law_policy(law or (), spec.controller.laws_by_name, allow_code=allow_code)
+        spec, name = with_laws(spec, policy), f"{campaign_directory.resolve().name}_{index:06d}"
+    elif law or allow_code:
+        accepted = "with --from; of an experiment of yours: --set controller.law=FILE:Class"
+        raise SpecError("is for --from", key="--law, --allow-code", accepted=accepted)
     elif experiment is not None and campaign_directory is None and index is None:
         spec = with_duration(load_experiment(experiment, set_ or ()), duration)
         name = experiment_path(experiment).stem
     else:
         accepted = "an experiment with --set and --duration, or --from DIR with --index K"
         raise SpecError("says not what to fly, or twice", key="run", accepted=accepted)
-    result = _fly(spec, directory or Path("runs") / name, mode, realtime, quiet=as_json)
+    result = _fly(spec, directory or Path("runs") / name, mode, realtime, policy, quiet=as_json)
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     if as_json:
@@ -163,17 +176,19 @@ def schema(
     print(json.dumps(KINDS[kind].model_json_schema(), indent=2))
 
 
-def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
+def _fly(
+    spec: Experiment, place: Path, mode: Any, realtime: float | None, policy: LawPolicy, *, quiet: bool
+) -> RunResult:
     from space_robot_bringup.compiling import notice
     from space_robot_bringup.progress import Progress
     from space_robot_bringup.run import Hooks, run_experiment
     from space_robot_bringup.stopping import StopFlag
 
-    if not quiet and (line := notice(spec.controller.law_names)):
+    if not quiet and (line := notice(spec.controller.law_names, policy=policy)):
         err.print(line)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=warn)
-        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
+        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks, policy=policy)
 
 
 def main() -> Never:

@@ -8,12 +8,15 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat
 
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_control.laws.base import Law
-from space_robot_control.laws.registry import make_law
+from space_robot_control.laws.policy import TYPED, LawPolicy
+from space_robot_control.laws.registry import law_class, make_law
+from space_robot_control.laws.source import source_of
 from space_robot_control.laws.switching import Switching
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.log_header import LawSource
 
 
 class StandbySpec(Strict):
@@ -47,6 +50,11 @@ class ControllerSpec(Strict):
         return tuple(one.law for one in self.laws.values())
 
     @property
+    def laws_by_name(self) -> dict[str, str]:
+        """What every law is called in the experiment, and where laws come from."""
+        return {name: one.law for name, one in self.laws.items()}
+
+    @property
     def laws(self) -> dict[str, StandbySpec]:
         """Every law by name, the one that starts first."""
         first = StandbySpec(law=self.law, gains=self.gains)
@@ -74,22 +82,37 @@ def check_controller(spec: ControllerSpec, control_period: float) -> None:
         last = steps_of(switch.time, control_period, f"{key}.time")
 
 
-def make_controller(spec: ControllerSpec, robot: Robot, control_period: float) -> Law:
+def make_controller(spec: ControllerSpec, robot: Robot, control_period: float, policy: LawPolicy = TYPED) -> Law:
     """The law, or the laws behind one that switches between them.
 
     Args:
         spec: checked, see ``check_controller``.
         robot: the NOMINAL robot.
         control_period: [s].
+        policy: whose code may be a law.
 
     Raises:
         SpecError: a law, a gain or the period cannot be used.
     """
-    if not spec.standby:
-        return make_law(spec.law, robot, control_period, spec.gains)
     laws = {
-        name: make_law(one.law, robot, control_period, one.gains, f"controller{f'.standby.{name}' if i else ''}")
+        name: make_law(policy.law(name, one.law), robot, control_period, one.gains, _key(name, i), policy)
         for i, (name, one) in enumerate(spec.laws.items())
     }
+    if not spec.standby:
+        return laws[spec.law]
     switches = [(to_nanoseconds(switch.time, "controller.switches"), switch.to) for switch in spec.switches]
     return Switching(robot, control_period, laws, switches=switches, handover=spec.handover)
+
+
+def law_sources(spec: ControllerSpec, policy: LawPolicy = TYPED) -> dict[str, LawSource]:
+    """Name in the experiment to the source of every custom law; see ``make_controller``."""
+    classes = {
+        name: law_class(policy.law(name, one.law), f"{_key(name, i)}.law", policy)
+        for i, (name, one) in enumerate(spec.laws.items())
+    }
+    sources = {name: source_of(cls) for name, cls in classes.items()}
+    return {name: source for name, source in sources.items() if source is not None}
+
+
+def _key(name: str, index: int) -> str:
+    return f"controller.standby.{name}" if index else "controller"

@@ -9,6 +9,7 @@ from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.reproduce.measures import FlownRun, reduce
 from space_robot_bringup.reproduce.reproduction import FlownFigure
 from space_robot_bringup.reproduce.spec import Chart
+from space_robot_msgs_py.escapes import mathtext
 
 HALF_BAR, GOLDEN = 0.3, 0.618033988749895
 
@@ -38,9 +39,7 @@ def draw_chart(axis: Any, chart: Chart, flown: FlownFigure) -> None:
         axis.set_xlim(-0.5, len(groups) - 0.5)
 
 
-def plain(text: str) -> str:
-    """A text of the manifest is never a formula."""
-    return text.replace("$", r"\$")
+plain = mathtext
 
 
 def _draw_group(axis: Any, chart: Chart, flown: FlownFigure, points: dict[float, list[FlownRun]]) -> int:
