@@ -26,6 +26,17 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="override one key, e.g. controller.gains.damping=0.7"),
 ]
+LawOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--law",
+        metavar="[NAME=]FILE:Class",
+        help="the law to use where the data names code of somebody's; NAME: which one of several",
+    ),
+]
+AllowCodeOption = Annotated[
+    bool, typer.Option("--allow-code", help="run the code the data names; only for data whose maker you trust")
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
 
 

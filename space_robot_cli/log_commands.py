@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from space_robot_cli.app import FAILED, JsonOption, SetOption, app, err, out
+from space_robot_cli.app import FAILED, AllowCodeOption, JsonOption, LawOption, SetOption, app, err, out
 from space_robot_msgs_py.errors import SpecError
 
 if TYPE_CHECKING:
@@ -51,25 +51,28 @@ def replay(
     role: Annotated[
         str, typer.Option("--as", help="with --publish: state (what a controller hears) or all (commands too)")
     ] = "state",
+    law: LawOption = None,
+    allow_code: AllowCodeOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Compute a recorded run again and compare every number with the log, or let a node of yours answer it."""
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.golden import refly
     from space_robot_bringup.replay.publish import PublishOrder
+    from space_robot_bringup.replay.recording import Code
     from space_robot_bringup.replay.replay import Order, replay
     from space_robot_cli.render import replay as show
 
     tolerance = Tolerance(rtol, atol, tuple(name.lstrip("/") for name in ignore or ()))
     if publish:
-        if as_json or set_ or experiment or update_refs or against != "both":
-            key = "--against, --set, --experiment, --update-refs, --json"
+        if as_json or set_ or experiment or update_refs or law or allow_code or against != "both":
+            key = "--against, --set, --experiment, --update-refs, --law, --allow-code, --json"
             raise SpecError("means nothing to --publish", key=key, accepted="--publish without it")
         _publish(bags, PublishOrder(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
         return
     if rate is not None or paused or loop or topics or role != "state":
         raise SpecError("is for --publish", key="--rate, --paused, --loop, --topics, --as", accepted="with --publish")
-    order = Order(against, tolerance, set_ or (), experiment, namespace)
+    order = Order(against, tolerance, set_ or (), experiment, namespace, Code(tuple(law or ()), allow_code))
     done = []
     for bag in bags:
         one = replay(bag, order, lambda line: None if as_json else err.print(line))

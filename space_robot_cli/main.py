@@ -15,13 +15,25 @@ import typer
 
 import space_robot_cli.log_commands
 import space_robot_cli.study_commands  # noqa: F401  (their commands belong to the same application)
-from space_robot_cli.app import BAD_INPUT, FAILED, JsonOption, SetOption, app, err, out, warn
+from space_robot_cli.app import (
+    BAD_INPUT,
+    FAILED,
+    AllowCodeOption,
+    JsonOption,
+    LawOption,
+    SetOption,
+    app,
+    err,
+    out,
+    warn,
+)
 from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 if TYPE_CHECKING:
     from space_robot_bringup.experiment.experiment import Experiment
     from space_robot_bringup.modes.run import RunResult
+    from space_robot_control.laws.policy import LawPolicy
 
 MODES = ("headless", "graph", "processes")
 
@@ -87,6 +99,8 @@ def run(
         Path | None, typer.Option("--from", metavar="DIR", help="fly one case of this campaign, with --index")
     ] = None,
     index: Annotated[int | None, typer.Option(help="of the case, with --from")] = None,
+    law: LawOption = None,
+    allow_code: AllowCodeOption = False,
     as_json: JsonOption = False,
     view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
     port: PortOption = 8080,
@@ -99,18 +113,26 @@ def run(
     if realtime is not None and not 1e-3 <= realtime <= 1e4:
         raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
     from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration
+    from space_robot_bringup.logs.logged import law_policy, with_laws
     from space_robot_cli.render import run as render
+    from space_robot_control.laws.policy import TYPED
     from space_robot_studies.campaign.rerun import case_experiment, differences
 
+    policy = TYPED
     if campaign_directory is not None and index is not None and not (experiment or set_ or duration):
-        spec, name = case_experiment(campaign_directory, index), f"{campaign_directory.resolve().name}_{index:06d}"
+        spec = case_experiment(campaign_directory, index, allow_code=allow_code)
+        policy = law_policy(law or (), spec.controller.laws_by_name, allow_code=allow_code)
+        spec, name = with_laws(spec, policy), f"{campaign_directory.resolve().name}_{index:06d}"
+    elif law or allow_code:
+        accepted = "with --from; of an experiment of yours: --set controller.law=FILE:Class"
+        raise SpecError("is for --from", key="--law, --allow-code", accepted=accepted)
     elif experiment is not None and campaign_directory is None and index is None:
         spec = with_duration(load_experiment(experiment, set_ or ()), duration)
         name = experiment_path(experiment).stem
     else:
         accepted = "an experiment with --set and --duration, or --from DIR with --index K"
         raise SpecError("says not what to fly, or twice", key="run", accepted=accepted)
-    result = _fly(spec, directory or Path("runs") / name, mode, realtime, quiet=as_json)
+    result = _fly(spec, directory or Path("runs") / name, mode, realtime, policy, quiet=as_json)
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     if as_json:
@@ -154,18 +176,20 @@ def schema(
     print(json.dumps(KINDS[kind].model_json_schema(), indent=2))
 
 
-def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
+def _fly(
+    spec: Experiment, place: Path, mode: Any, realtime: float | None, policy: LawPolicy, *, quiet: bool
+) -> RunResult:
     from space_robot_bringup.modes.compilation import notice
     from space_robot_bringup.modes.hooks import Hooks
     from space_robot_bringup.modes.run import run_experiment
     from space_robot_bringup.modes.signals import StopFlag
     from space_robot_cli.progress import Progress
 
-    if not quiet and (line := notice(spec.controller.law_names)):
+    if not quiet and (line := notice(spec.controller.law_names, policy=policy)):
         err.print(line)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
         hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=warn)
-        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
+        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks, policy=policy)
 
 
 def main() -> Never:

@@ -17,8 +17,10 @@ from space_robot_description.share import config_dir, is_file, resource, shipped
 from space_robot_description.spec import Actuators, expand
 from space_robot_description.urdf import Tree, child_of, parse_urdf
 from space_robot_description.validation import nearest, parse_yaml, validate
+from space_robot_msgs_py.bounded_files import read_text, short
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.limits import URDF_BYTES
 
 
 def load_robot(robot: str | Path | Mapping[str, Any]) -> Robot:
@@ -49,15 +51,15 @@ def robot_path(name_or_path: str | Path) -> Path:
     path = Path(name_or_path)
     if path.suffix in (".urdf", ".xacro"):
         accepted = f"a robot file with `urdf: {path.name}`, a base mode and actuators"
-        raise SpecError("a URDF alone does not fly", key="robot", value=str(name_or_path), accepted=accepted)
+        raise SpecError("a URDF alone does not fly", key="robot", value=short(name_or_path), accepted=accepted)
     if is_file(path):
         return path
     if path.suffix or len(path.parts) != 1:
-        raise InputFileError("no such robot file", key="robot", value=str(name_or_path))
+        raise InputFileError("no such robot file", key="robot", value=short(name_or_path))
     names = shipped("robots")
     if path.name not in names:
         accepted = f"a robot file, or one of: {nearest(path.name, names) or ', '.join(names)}"
-        raise SpecError("no shipped robot has this name", key="robot", value=path.name, accepted=accepted)
+        raise SpecError("no shipped robot has this name", key="robot", value=short(path.name), accepted=accepted)
     return config_dir() / "robots" / f"{path.name}.yaml"
 
 
@@ -99,10 +101,7 @@ def _urdf_text(urdf: str, folder: Path) -> tuple[str, Path | None]:
     if urdf.lstrip().startswith("<"):
         return urdf, None
     path = resource(urdf, folder)
-    try:
-        return path.read_text(encoding="utf-8"), path.parent
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputFileError(f"cannot be read as UTF-8 text: {error}", key="urdf", value=str(path)) from None
+    return read_text(path, URDF_BYTES, f"urdf {short(path)}"), path.parent
 
 
 def _column(rows: Mapping[str, JointRow], field: str) -> Vector:

@@ -10,6 +10,7 @@ from pydantic import Field, PositiveFloat
 from space_robot_description.spec import Actuators, PerJoint, Strict, Three
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.limits import NAME_LENGTH, URDF_BYTES
 
 INERTIA_KEYS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
@@ -62,10 +63,11 @@ class JointLimits(Strict):
 class RobotSpec(Strict):
     """A robot file. Joint and link names are those of the composed URDF."""
 
-    name: str = Field(min_length=1)
+    name: str = Field(min_length=1, max_length=NAME_LENGTH.most)
     description: str = ""
     urdf: str = Field(
         min_length=1,
+        max_length=URDF_BYTES.most,
         description="path relative to this file, package://<package>/<path>, example-robot-data:<path under robots/>, "
         "or the URDF text itself",
     )

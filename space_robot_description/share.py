@@ -8,6 +8,8 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from space_robot_description.validation import nearest
+from space_robot_msgs_py.bounded_files import is_file as is_file
+from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import InputFileError
 
 DATA = Path("share") / "space_robot" / "config"
@@ -56,15 +58,7 @@ def shipped_or_file(name_or_path: str, kind: str, *, key: str, message: str) -> 
     names = shipped(kind)
     known = nearest(name_or_path, names) or ", ".join(names)
     accepted = f"a YAML file, or one of: {known}" if known else f"a YAML file (no {key} is shipped)"
-    raise InputFileError(message, key=key, value=name_or_path, accepted=accepted)
-
-
-def is_file(path: Path) -> bool:
-    """True if there is such a file; a name the system cannot even look up is none."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
+    raise InputFileError(message, key=key, value=short(name_or_path), accepted=accepted)
 
 
 def resource(uri: str, folder: Path) -> Path:
@@ -84,7 +78,8 @@ def resource(uri: str, folder: Path) -> Path:
         return _in_package(uri)
     path = folder / uri
     if not is_file(path):
-        raise InputFileError("no such URDF file", key="urdf", value=str(path), accepted="a file beside the robot file")
+        accepted = "a file beside the robot file"
+        raise InputFileError("no such URDF file", key="urdf", value=short(path), accepted=accepted)
     return path
 
 

@@ -12,7 +12,9 @@ from pydantic_core import CoreSchema
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.limits import TEXT_LENGTH, TITLE_LENGTH
 
+Title = Annotated[str, Field(max_length=TITLE_LENGTH.most)]
 Three = Annotated[tuple[float, ...], Field(min_length=3, max_length=3)]
 PerJoint = float | tuple[float, ...] | dict[str, float]
 
@@ -21,11 +23,13 @@ PerJoint = float | tuple[float, ...] | dict[str, float]
 LARGEST = 1e15
 
 
-def _hold_numbers(schema: Any) -> None:
+def _hold_values(schema: Any) -> None:
     if isinstance(schema, list | tuple):
         for part in schema:
-            _hold_numbers(part)
+            _hold_values(part)
     elif isinstance(schema, dict):
+        if schema.get("type") == "str":
+            schema.setdefault("max_length", TEXT_LENGTH.most)
         if schema.get("type") in ("float", "int"):
             schema["strict"] = True
         if schema.get("type") == "float":
@@ -34,7 +38,7 @@ def _hold_numbers(schema: Any) -> None:
             if not schema.keys() & {"le", "lt"}:
                 schema["le"] = LARGEST
         for part in list(schema.values()):
-            _hold_numbers(part)
+            _hold_values(part)
 
 
 class Strict(BaseModel):
@@ -44,9 +48,12 @@ class Strict(BaseModel):
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Hold every number of the model to being one: neither ``true`` nor ``"0.1"``, nor beyond ``LARGEST``."""
+        """Hold every number of the model to being one: neither ``true`` nor ``"0.1"``, nor beyond ``LARGEST``.
+
+        A text that says nothing else has at most ``TEXT_LENGTH`` characters.
+        """
         schema = handler(source)
-        _hold_numbers(schema)
+        _hold_values(schema)
         return schema
 
 

@@ -11,8 +11,10 @@ import numpy as np
 
 from space_robot_description.inertia import check_inertia
 from space_robot_description.spec import LARGEST
+from space_robot_msgs_py.bounded_xml import parse_xml
 from space_robot_msgs_py.errors import InertiaError, SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.limits import JOINTS, NAME_LENGTH
 
 MOVING = ("revolute", "continuous", "prismatic")
 # Simulator and driver extensions say nothing about the body; they also quote joint names that may be changed here.
@@ -52,10 +54,7 @@ def parse_urdf(text: str, where: str) -> Tree:
     Raises:
         SpecError: not XML, not a URDF, xacro, a name twice or unknown, several roots, or a loop.
     """
-    try:
-        root = ET.fromstring(text)
-    except (ET.ParseError, ValueError) as error:
-        raise SpecError(f"not valid XML: {error}", key=where) from None
+    root = parse_xml(text, where)
     if root.tag != "robot":
         raise SpecError("not a URDF", key=where, value=f"<{root.tag}>", accepted="<robot> at the top")
     if any(str(element.tag).startswith("{") for element in root.iter()) or "${" in text:
@@ -179,9 +178,11 @@ def _named(root: ET.Element, tag: str, where: str) -> dict[str, ET.Element]:
         name = element.get("name", "")
         if not name:
             raise SpecError(f"a <{tag}> has no name", key=where)
+        NAME_LENGTH.check(len(name.encode()), f"{where} {tag} {name[:40]}")
         if name in found:
             raise SpecError(f"the {tag} name appears twice", key=where, value=name)
         found[name] = element
+    JOINTS.check(len(found), f"{where} {tag}s")
     return found
 
 

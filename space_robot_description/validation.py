@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
-from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_msgs_py.bounded_files import read_text
+from space_robot_msgs_py.bounded_yaml import load_yaml
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.limits import YAML_BYTES
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -22,17 +23,10 @@ def parse_yaml(path: Path | str) -> dict[str, Any]:
     """Read a YAML 1.2 file whose top level is a mapping.
 
     Raises:
-        InputFileError: the file is missing or cannot be read.
+        InputFileError: the file is missing, too large or cannot be read.
         SpecError: not YAML (with line and column), a key twice, not a mapping, or a NaN or infinity in it.
     """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputFileError("no such file", key=str(path)) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputFileError(f"cannot be read as UTF-8 text: {error}", key=str(path)) from None
-    return parse_yaml_text(text, str(path))
+    return parse_yaml_text(read_text(Path(path), YAML_BYTES), str(path))
 
 
 def parse_yaml_text(text: str, where: str) -> dict[str, Any]:
@@ -44,7 +38,7 @@ def parse_yaml_text(text: str, where: str) -> dict[str, Any]:
     data = parse_yaml_value(text, where)
     if not isinstance(data, dict):
         raise SpecError("the file does not hold a mapping", key=where, value=_short(data), accepted="key: value lines")
-    if found := _non_finite(data, (), frozenset()):
+    if found := _non_finite(data, ()):
         key = f"{where} {'.'.join(found[0])}"
         raise SpecError("not a finite number", key=key, value=found[1], accepted="finite numbers")
     return data
@@ -54,18 +48,9 @@ def parse_yaml_value(text: str, where: str) -> Any:
     """Parse YAML text that may be anything: a mapping, a list, a number; ``where`` names it in errors.
 
     Raises:
-        SpecError: not YAML (with line and column), or a key twice.
+        SpecError: not YAML (with line and column), a key twice, or beyond a limit; see ``load_yaml``.
     """
-    try:
-        return YAML(typ="safe", pure=True).load(text)
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        # ruamel appends advice on how to switch the check off; the first line is the problem.
-        problem = str(error.problem or error.context or "syntax error").strip().splitlines()[0]
-        raise SpecError(f"not valid YAML{place}: {problem}", key=where) from None
-    except (YAMLError, ValueError, RecursionError) as error:
-        raise SpecError(f"not valid YAML: {str(error).splitlines()[0]}", key=where) from None
+    return load_yaml(text, where)
 
 
 def validate(model_class: type[Model], data: object, where: str) -> Model:
@@ -172,15 +157,15 @@ def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
     return tuple(values[0] for values in literals if len(values) == 1)
 
 
-def _non_finite(value: object, path: tuple[str, ...], above: frozenset[int]) -> tuple[tuple[str, ...], float] | None:
-    """Path and value of the first NaN or infinity, depth first; ``above`` stops at a YAML alias to its own parent."""
+def _non_finite(value: object, path: tuple[str, ...]) -> tuple[tuple[str, ...], float] | None:
+    """Path and value of the first NaN or infinity, depth first; the number of paths is bounded, see ``load_yaml``."""
     if isinstance(value, float):
         return None if math.isfinite(value) else (path, value)
-    if id(value) in above or not isinstance(value, dict | list):
+    if not isinstance(value, dict | list):
         return None
     children = value.items() if isinstance(value, dict) else enumerate(value)
     for name, child in children:
-        if found := _non_finite(child, (*path, str(name)), above | {id(value)}):
+        if found := _non_finite(child, (*path, str(name))):
             return found
     return None
 

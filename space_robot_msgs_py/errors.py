@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from space_robot_msgs_py.escapes import visible
+
+# A message is one line; what it quotes may be anything, also something of megabytes.
+MAX_QUOTED = 2_000
+MAX_PART = 4_000
+
 
 class SpaceRobotError(Exception):
     """Base of every error this project raises on purpose; the message is one line fit for a terminal.
@@ -17,14 +23,32 @@ class SpaceRobotError(Exception):
         self.message, self.key, self.value, self.accepted = message, key, value, accepted
         parts = [f"{key}: {message}" if key else message]
         if value is not None:
-            parts.append(f"got {value!r}")
+            parts.append(f"got {quoted(value)}")
         if accepted:
             parts.append(f"accepted: {accepted}")
-        super().__init__("; ".join(" ".join(part.split()) for part in parts))
+        super().__init__("; ".join(" ".join(shortened(visible(part), MAX_PART).split()) for part in parts))
+
+
+def quoted(value: object) -> str:
+    """A value for an error, whatever it is and however long."""
+    try:
+        return shortened(repr(value), MAX_QUOTED)
+    except (ValueError, RecursionError):
+        # Python prints no integer of more than 4,300 digits.
+        return f"a {type(value).__name__} that is too long to print"
+
+
+def shortened(text: str, most: int) -> str:
+    """A text without its middle where it is too long."""
+    return text if len(text) <= most else f"{text[: 2 * most // 3]}...{text[-most // 3 + 3 :]}"
 
 
 class SpecError(SpaceRobotError, ValueError):
     """An experiment, robot or option says something that cannot be done."""
+
+
+class CodeError(SpecError):
+    """Data names code that nobody who runs the program has named."""
 
 
 class InputFileError(SpaceRobotError, OSError):

@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from space_robot_msgs_py.bounded_xml import parse_xml
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -37,9 +38,9 @@ class FrameJoint:
 def read_frames(urdf: str) -> tuple[str | None, dict[str, FrameJoint]]:
     """The root link and the joints by name; nothing where the text is no URDF."""
     try:
-        robot = ET.fromstring(urdf)
+        robot = parse_xml(urdf, "urdf")
         joints = {joint.get("name", ""): _joint(joint) for joint in robot.findall("joint")}
-    except (ET.ParseError, ValueError):
+    except ValueError:
         return None, {}
     children = {joint.child for joint in joints.values()}
     roots = [name for link in robot.findall("link") if (name := link.get("name", "")) not in children]

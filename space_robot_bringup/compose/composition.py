@@ -9,13 +9,14 @@ from math import radians
 
 import numpy as np
 
-from space_robot_bringup.compose.controllers import make_controller
+from space_robot_bringup.compose.controllers import law_sources, make_controller
 from space_robot_bringup.compose.plants import PLANTS, PlantParts
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec
 from space_robot_bringup.judge.metrics import axis_names, metric_names
 from space_robot_bringup.judge.verdict import check_bands, check_expectations
 from space_robot_control.laws.base import Law, Review
+from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
 from space_robot_control.rotations import from_rpy
@@ -24,8 +25,10 @@ from space_robot_description.load import load_robot
 from space_robot_description.payload import attach_payload, known_part
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
+from space_robot_msgs_py.bounded_yaml import values_in
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
+from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_sim.initial import InitialState
 
@@ -44,12 +47,14 @@ class Composition:
         nominal: the robot the flight software believes in.
         truth: the robot that flies, as it starts.
         changes: (stamp [ns], robot that flies from then on), in order.
+        policy: whose code may be its laws.
     """
 
     experiment: Experiment
     nominal: Robot
     truth: Robot
     changes: tuple[tuple[int, Robot], ...]
+    policy: LawPolicy
     _reference: ReferenceSource
     _seeds: tuple[np.random.SeedSequence, ...]
     _q0: Vector
@@ -62,10 +67,19 @@ class Composition:
 
     @property
     def header(self) -> LogHeader:
-        """Provenance for a log; made when asked for, which a run that is not logged never does."""
+        """Provenance for a log; made when asked for, which a run that is not logged never does.
+
+        Raises:
+            SpecError: the resolved experiment is larger than what a log is read with.
+        """
         robot = self.nominal
         resolved = self.experiment.model_copy(update={"robot": dict(robot.resolved)})
-        return LogHeader(to_yaml(resolved), robot.urdf, self.experiment.seed, robot.joint_names, versions())
+        text = to_yaml(resolved)
+        # What is written has to be readable: a recorded reference may be of any length until here.
+        YAML_BYTES.check(len(text.encode()), "experiment, resolved")
+        YAML_NODES.check(values_in(resolved.model_dump(mode="json")), "experiment, resolved")
+        laws = law_sources(self.experiment.controller, self.policy)
+        return LogHeader(text, robot.urdf, self.experiment.seed, robot.joint_names, versions(), laws)
 
     def plant(self) -> Plant:
         """A new plant in its initial state."""
@@ -74,8 +88,14 @@ class Composition:
         return PLANTS[spec.kind].make(spec, PlantParts(self.truth, self.experiment.period, initial, seed, self.changes))
 
     def controller(self) -> Law:
-        """A new controller; it gets the nominal robot and nothing else."""
-        return make_controller(self.experiment.controller, self.nominal, self.experiment.control_period)
+        """A new controller; it gets the nominal robot and nothing else.
+
+        Raises:
+            SpecError: a law or a gain cannot be used.
+            CodeError: the policy does not let a law be imported.
+        """
+        experiment = self.experiment
+        return make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
 
     def reference(self) -> ReferenceSource:
         """The reference source: a function of time, which all who ask share."""
@@ -90,8 +110,24 @@ class Composition:
         return self.controller().review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
 
 
-def compose(experiment: Experiment) -> Composition:
+def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
     """Build robots and provenance and check that every part can be made.
+
+    Args:
+        experiment: what the user wants to run.
+        policy: whose code may be its laws; the default lets the experiment name any. What comes out of a log is
+            composed by ``logged.compose_logged``, which makes no law.
+
+    Raises:
+        SpaceRobotError: a part refuses its input; the message names the key.
+    """
+    composition = compose_world(experiment, policy)
+    composition.controller()
+    return composition
+
+
+def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
+    """``compose`` without making a law: no code of one is imported.
 
     Raises:
         SpaceRobotError: a part refuses its input; the message names the key.
@@ -114,12 +150,11 @@ def compose(experiment: Experiment) -> Composition:
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)
     reference = make_reference(experiment.reference, nominal, q0)
-    composition = Composition(experiment, nominal, truth, changes, reference, seeds, q0, v0)
+    composition = Composition(experiment, nominal, truth, changes, policy, reference, seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
     check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
     _check_recorded(experiment)
-    composition.controller()
     return composition
 
 

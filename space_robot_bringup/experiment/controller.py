@@ -43,6 +43,11 @@ class ControllerSpec(Strict):
         return tuple(one.law for one in self.laws.values())
 
     @property
+    def laws_by_name(self) -> dict[str, str]:
+        """What every law is called in the experiment, and where laws come from."""
+        return {name: one.law for name, one in self.laws.items()}
+
+    @property
     def laws(self) -> dict[str, StandbySpec]:
         """Every law by name, the one that starts first."""
         first = StandbySpec(law=self.law, gains=self.gains)

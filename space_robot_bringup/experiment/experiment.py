@@ -20,7 +20,7 @@ from space_robot_bringup.experiment.recorded_reference import with_recorded_log
 from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
 from space_robot_description.share import is_file, shipped_or_file
-from space_robot_description.spec import PerJoint, Strict, Three
+from space_robot_description.spec import PerJoint, Strict, Three, Title
 from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import SpecError
 
@@ -82,8 +82,8 @@ class Experiment(Strict):
     experiment, the robot file's content.
     """
 
-    title: str = Field(default="", description="what this is, in one line")
-    source: str = Field(default="", description="paper and figure this reproduces")
+    title: Title = Field(default="", description="what this is, in one line")
+    source: Title = Field(default="", description="paper and figure this reproduces")
     robot: str | dict[str, Any]
     control_period: PositiveFloat = Field(description="[s]")
     duration: PositiveFloat = Field(description="[s], a multiple of the control period")

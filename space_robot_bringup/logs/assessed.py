@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from space_robot_bringup.compose.composition import Composition, compose
-from space_robot_bringup.experiment.experiment import Experiment, experiment_from
+from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.metrics import RunMetrics
 from space_robot_bringup.judge.verdict import Check
+from space_robot_bringup.logs.logged import compose_logged, logged_experiment
 from space_robot_bringup.modes.run import judge_ticks
-from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.codec.codecs import TickCodec
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import NANOSECONDS, Tick
 from space_robot_msgs_py.log.arrays import LogArrays, Row, stack_ticks
-from space_robot_msgs_py.log.directory import METADATA_FILE
+from space_robot_msgs_py.log.directory import custom_data
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.reader import LogReader
 
@@ -120,8 +120,8 @@ def _end_reason(reader: LogReader, troubles: list[str]) -> str | None:
 def _experiment(header: LogHeader, troubles: list[str]) -> tuple[Experiment | None, Composition | None]:
     experiment = None
     try:
-        experiment = experiment_from(parse_yaml_text(header.experiment, "experiment.yaml"), "experiment.yaml")
-        return experiment, compose(experiment)
+        experiment = logged_experiment(header.experiment)
+        return experiment, compose_logged(experiment)
     except SpaceRobotError as error:
         troubles.append(f"no verdict: the experiment in the log cannot be composed here: {error}")
         return experiment, None
@@ -142,9 +142,4 @@ def _judge(
 
 def _mode(path: Path) -> str:
     """From the metadata beside the bag: the mode changes no bit of the log, so the log does not know it."""
-    try:
-        text = path.with_name(METADATA_FILE).read_text(encoding="utf-8")
-        custom = parse_yaml_text(text, METADATA_FILE)["rosbag2_bagfile_information"]["custom_data"]
-        return str(custom["mode"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return ""
+    return custom_data(path).get("mode", "")

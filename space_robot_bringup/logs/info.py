@@ -9,12 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from space_robot_bringup.compose.composition import compose
-from space_robot_bringup.experiment.experiment import Experiment, experiment_from
+from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.verdict import Check
+from space_robot_bringup.logs.logged import compose_logged, logged_experiment
 from space_robot_bringup.modes.run import judge_ticks
 from space_robot_description.load import load_robot
-from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.bag import Bag
@@ -142,7 +141,7 @@ def _ours(bag: Bag) -> tuple[dict[str, str], dict[str, str], str | None, Verdict
     provenance = {"seed": str(reader.header.seed)} | custom_data(reader.path)
     provenance.pop("end_reason", None)
     try:
-        experiment = experiment_from(parse_yaml_text(reader.header.experiment, "experiment.yaml"), "experiment.yaml")
+        experiment = logged_experiment(reader.header.experiment)
         provenance = _words(experiment) | provenance
         reason = reader.end_reason
         return provenance, reader.header.versions, reason, _verdict(reader, experiment, reason)
@@ -167,4 +166,4 @@ def _verdict(reader: LogReader, experiment: Experiment, reason: str | None) -> V
     ticks = list(reader.ticks())
     if not ticks:
         return Verdict(why_not="no complete tick")
-    return Verdict(judge_ticks(ticks, compose(experiment), reason or "cut")[1])
+    return Verdict(judge_ticks(ticks, compose_logged(experiment), reason or "cut")[1])

@@ -13,6 +13,7 @@ from space_robot_bringup.judge.metrics import RunMetrics, measure
 from space_robot_bringup.judge.verdict import Check, judge
 from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks, Stopwatch
+from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.reader import LogReader
@@ -46,7 +47,13 @@ class RunResult:
 
 
 def run_experiment(
-    experiment: Experiment, directory: Path, *, mode: Mode, realtime: float | None = None, hooks: Hooks | None = None
+    experiment: Experiment,
+    directory: Path,
+    *,
+    mode: Mode,
+    realtime: float | None = None,
+    hooks: Hooks | None = None,
+    policy: LawPolicy = TYPED,
 ) -> RunResult:
     """Fly an experiment, log it and judge it from the log.
 
@@ -56,13 +63,14 @@ def run_experiment(
         mode: how the objects are put together; it changes no bit of the log.
         realtime: simulated seconds per second; None: as fast as it goes. Not for headless.
         hooks: progress and early end.
+        policy: whose code may be its laws.
 
     Raises:
         SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was flown.
     """
     if mode == "headless" and realtime is not None:
         raise SpecError("has no wall clock", key="--realtime", value=realtime, accepted="--mode graph or processes")
-    return run_composition(compose(experiment), directory, mode=mode, realtime=realtime, hooks=hooks)
+    return run_composition(compose(experiment, policy), directory, mode=mode, realtime=realtime, hooks=hooks)
 
 
 def run_composition(

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.controller_events import happen
-from space_robot_bringup.replay.recording import Recording
+from space_robot_bringup.replay.recording import Recording, other_code
 from space_robot_bringup.replay.result import Outcome, absent_topics
 from space_robot_msgs_py.codec.codecs import TickCodec, decode_events
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
@@ -39,6 +39,7 @@ class _Replay:
         self._codec = TickCodec(composition.joint_names)
         self._comparison = Comparison(composition.joint_names, tolerance)
         self._law = composition.controller()
+        self._code = other_code(recording)
         self._source: ReferenceSource = composition.reference()
         self._notes: Counter[str] = Counter()
         self._ended = recording.end_reason or ""
@@ -62,7 +63,7 @@ class _Replay:
                 key=str(self._recording.path),
                 accepted=f"{missing}; see info and recover",
             )
-        remarks = [f"{count} {what}" for what, count in self._notes.items()] + ([stop] if stop else [])
+        remarks = [*self._code, *(f"{count} {what}" for what, count in self._notes.items()), *([stop] if stop else [])]
         absent = absent_topics(comparison, _ANSWERS, self._tolerance.ignore)
         return Outcome("controller", comparison, self._ticks, self._last, absent, tuple(remarks))
 

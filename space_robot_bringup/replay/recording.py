@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.compose.composition import Composition, compose, versions
+from space_robot_bringup.compose.composition import Composition, versions
+from space_robot_bringup.compose.controllers import law_sources
+from space_robot_bringup.experiment.controller import ControllerSpec
 from space_robot_bringup.experiment.experiment import experiment_from, experiment_path, located, with_overrides
+from space_robot_bringup.logs.logged import compose_logged, confined, law_policy, typed_in
 from space_robot_bringup.replay.foreign_bag import foreign_rows
+from space_robot_control.laws.policy import LawPolicy
 from space_robot_description.validation import parse_yaml, parse_yaml_text
 from space_robot_msgs_py.errors import LogError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.log.bag import Bag
+from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import BASE_ODOM
 
@@ -33,6 +38,7 @@ class Recording:
         versions: package to (recorded, here) where they differ.
         remarks: what a reader should know about the bag.
         foreign: another tool wrote it.
+        header: of a log of ours.
     """
 
     path: Path
@@ -43,10 +49,32 @@ class Recording:
     versions: dict[str, tuple[str, str]] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     foreign: bool = False
+    header: LogHeader | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """Which code of a law may be run to compute a log again: what the user typed; see ``law_policy``.
+
+    Attributes:
+        laws: ``FILE:Class`` or ``NAME=FILE:Class``.
+        allowed: everything the log names.
+    """
+
+    laws: tuple[str, ...] = ()
+    allowed: bool = False
+
+
+NO_CODE = Code()
 
 
 def open_recording(
-    path: Path, *, experiment: str | None = None, overrides: Iterable[str] = (), namespace: str = ""
+    path: Path,
+    *,
+    experiment: str | None = None,
+    overrides: Sequence[str] = (),
+    namespace: str = "",
+    code: Code = NO_CODE,
 ) -> Recording:
     """Open a log of this project, or a bag of another tool with an experiment that says what it lacks.
 
@@ -55,6 +83,7 @@ def open_recording(
         experiment: shipped name or YAML file, for bags without one.
         overrides: ``dotted.key=value``.
         namespace: of the topics in a bag of another tool.
+        code: of laws that may be run.
 
     Raises:
         SpaceRobotError: no such bag, not readable, no experiment or one that cannot be composed.
@@ -63,7 +92,8 @@ def open_recording(
     if experiment is not None:
         where = experiment_path(experiment)
         data = located(parse_yaml(where), where.parent)
-        composition, changes = _composed(data, experiment, overrides)
+        # The user typed the name of this file, so it may name code as for a run.
+        composition, changes = _composed(data, experiment, overrides, Code(code.laws, allowed=True))
         rows, remarks = foreign_rows(bag, composition.joint_names, namespace)
         _check_period(rows, composition)
         return Recording(path, composition, lambda: iter(rows), None, changes, {}, tuple(remarks), foreign=True)
@@ -72,8 +102,9 @@ def open_recording(
     except LogError as error:
         accepted = "a log with its header, or --experiment FILE for a bag of another tool"
         raise LogError(error.message, key=error.key, accepted=accepted) from None
-    data = parse_yaml_text(reader.header.experiment, f"{reader.path} experiment.yaml:")
-    composition, changes = _composed(data, str(path), overrides)
+    inside = f"{reader.path} experiment.yaml:"
+    data = confined(parse_yaml_text(reader.header.experiment, inside), inside)
+    composition, changes = _composed(data, str(path), overrides, code)
     if composition.joint_names != reader.header.joint_names and not any(key.startswith("robot") for key in changes):
         raise SpecError("other joints than its experiment", key=str(path), value=reader.header.joint_names)
     _check_period(reader.stamps(), composition)
@@ -83,7 +114,27 @@ def open_recording(
         for name in sorted(recorded | here)
         if recorded.get(name) != here.get(name)
     }
-    return Recording(path, composition, reader.stamps, reader.end_reason, changes, different)
+    return Recording(path, composition, reader.stamps, reader.end_reason, changes, different, header=reader.header)
+
+
+def other_code(recording: Recording) -> list[str]:
+    """One line for each custom law whose code here is not that of the log, or of which the log does not say it.
+
+    Raises:
+        SpecError: a law cannot be imported.
+        CodeError: a law may not be imported.
+    """
+    if recording.header is None:
+        return []
+    lines, kept = [], recording.header.laws
+    spec = recording.composition.experiment.controller
+    for name, here in law_sources(spec, recording.composition.policy).items():
+        if name not in kept:
+            lines.append(f"the log does not say which code the law {name} had; here sha256 {here.digest[:12]}")
+        elif kept[name].digest != here.digest:
+            was = kept[name].digest[:12]
+            lines.append(f"the law {name} is other code than in the log: sha256 {here.digest[:12]}, was {was}")
+    return lines
 
 
 def _check_period(rows: Iterable[Row], composition: Composition) -> None:
@@ -97,10 +148,16 @@ def _check_period(rows: Iterable[Row], composition: Composition) -> None:
 
 
 def _composed(
-    data: dict[str, Any], where: str, overrides: Iterable[str]
+    data: dict[str, Any], where: str, overrides: Sequence[str], code: Code
 ) -> tuple[Composition, dict[str, tuple[Any, Any]]]:
-    now = compose(experiment_from(with_overrides(data, overrides), where))
-    return now, changed(data, overrides, where)
+    experiment = experiment_from(with_overrides(data, overrides), where)
+    policy = _policy(experiment.controller, overrides, code)
+    return compose_logged(experiment, policy), changed(data, overrides, where)
+
+
+def _policy(spec: ControllerSpec, overrides: Sequence[str], code: Code) -> LawPolicy:
+    policy = law_policy(code.laws, spec.laws_by_name, allow_code=code.allowed)
+    return replace(policy, typed=typed_in(overrides))
 
 
 def changed(data: Mapping[str, Any], overrides: Iterable[str], where: str) -> dict[str, tuple[Any, Any]]:

@@ -10,7 +10,7 @@ from space_robot_bringup.modes.compilation import notice
 from space_robot_bringup.replay.comparison import EXACT, Tolerance
 from space_robot_bringup.replay.controller import replay_controller
 from space_robot_bringup.replay.plant import replay_plant
-from space_robot_bringup.replay.recording import Recording, open_recording
+from space_robot_bringup.replay.recording import NO_CODE, Code, Recording, open_recording
 from space_robot_bringup.replay.result import Outcome
 from space_robot_msgs_py.errors import SpecError
 
@@ -27,6 +27,7 @@ class Order:
         overrides: ``dotted.key=value`` of the recorded experiment.
         experiment: for bags without one.
         namespace: of the topics in a bag of another tool.
+        code: of laws that may be run; of the log alone none is.
     """
 
     against: str = "both"
@@ -34,6 +35,7 @@ class Order:
     overrides: Sequence[str] = ()
     experiment: str | None = None
     namespace: str = ""
+    code: Code = NO_CODE
 
     def __post_init__(self) -> None:
         if self.against not in SIDES:
@@ -69,8 +71,12 @@ def replay(bag: Path, order: Order, say: Callable[[str], None] = lambda line: No
     Raises:
         SpaceRobotError: the bag or the order cannot be used.
     """
-    recording = open_recording(bag, experiment=order.experiment, overrides=order.overrides, namespace=order.namespace)
-    spec = recording.composition.experiment.controller
-    if line := notice(spec.law_names, plant=order.against != "controller"):
+    recording = open_recording(
+        bag, experiment=order.experiment, overrides=order.overrides, namespace=order.namespace, code=order.code
+    )
+    composition, plant = recording.composition, order.against != "controller"
+    # Of a plant alone no law is made.
+    laws = composition.experiment.controller if order.against != "plant" else None
+    if line := notice(laws.law_names if laws else (), plant=plant, policy=composition.policy):
         say(line)
     return Replayed(recording, tuple(side(recording, order.tolerance) for side in SIDES[order.against]))

@@ -13,8 +13,10 @@ from types import ModuleType
 from typing import Any
 
 from space_robot_control.laws.base import Law
+from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest, validate
+from space_robot_msgs_py.bounded_files import is_file, short
 from space_robot_msgs_py.errors import SpecError
 
 GROUP = "space_robot.laws"
@@ -35,17 +37,21 @@ def law_names() -> tuple[str, ...]:
     return (*BUILT_IN, *sorted(_installed()))
 
 
-def law_class(name: str, key: str = "controller.law") -> type[Law]:
+def law_class(name: str, key: str = "controller.law", policy: LawPolicy = TYPED) -> type[Law]:
     """Return a law's class.
 
     Args:
         name: a built-in name, the name of an entry point in the group ``space_robot.laws``, ``module:Class``, or
             ``path/to/file.py:Class``. A built-in name wins over an entry point.
         key: what to call the name in an error.
+        policy: whose code may be imported; the default takes the name for one that the user typed.
 
     Raises:
         SpecError: there is no such law, it cannot be imported, or it is not a ``Law``.
+        CodeError: the policy does not let it be imported; nothing was.
     """
+    if name not in BUILT_IN and ":" in name:
+        policy.check(name, key)
     path = BUILT_IN.get(name, name)
     if ":" not in path:
         # Only here: asking every distribution for its entry points takes longer than to build a law.
@@ -59,7 +65,12 @@ def law_class(name: str, key: str = "controller.law") -> type[Law]:
 
 
 def make_law(
-    name: str, robot: Robot, control_period: float, gains: Mapping[str, Any] | None = None, key: str = "controller"
+    name: str,
+    robot: Robot,
+    control_period: float,
+    gains: Mapping[str, Any] | None = None,
+    key: str = "controller",
+    policy: LawPolicy = TYPED,
 ) -> Law:
     """Build a law from what an experiment file says about it.
 
@@ -69,11 +80,12 @@ def make_law(
         control_period: [s].
         gains: the law's gains as read from a file; what is missing has its default.
         key: where the law stands in the file, for errors.
+        policy: see ``law_class``.
 
     Raises:
         SpecError: the law, a gain or the period cannot be used.
     """
-    cls = law_class(name, f"{key}.law")
+    cls = law_class(name, f"{key}.law", policy)
     return cls(robot, control_period, validate(cls.Gains, dict(gains or {}), f"{key}.gains."))
 
 
@@ -100,6 +112,8 @@ def _imported(path: str, key: str) -> type[Law]:
 
 
 def _from_file(file: Path) -> ModuleType:
+    if not is_file(file):
+        raise ImportError(f"no Python file: {short(file)}")
     name = f"space_robot_law_{file.stem}"
     spec = spec_from_file_location(name, file)
     if spec is None or spec.loader is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import os
 import re
 from collections.abc import Callable
 from functools import cache
@@ -18,6 +19,11 @@ except ImportError:
     numba = None
 
 COMPILED = numba is not None
+
+if numba is not None:
+    # It also reads .numba_config.yaml in the working directory, where a file that came with a log may lie: the folder
+    # of the cache must not come from there, for a cache is code.
+    numba.config.CACHE_DIR = os.environ.get("NUMBA_CACHE_DIR", "")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -10,6 +10,11 @@ from typing import Any
 
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.log.preamble import RECORDED, log_name, signature
+from space_robot_msgs_py.bounded_files import read_text, short
+from space_robot_msgs_py.bounded_yaml import load_yaml
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
+from space_robot_msgs_py.limits import METADATA_BYTES
+from space_robot_msgs_py.log.preamble import RECORDED, log_name, signature
 from space_robot_msgs_py.qos import qos_of, yaml_text
 from space_robot_msgs_py.codec.schemas import type_hash
 
@@ -34,7 +39,7 @@ def prepare_directory(directory: Path) -> Path:
     except (OSError, RuntimeError, ValueError) as error:
         # Before Python 3.13 a loop of links is a RuntimeError; a null byte in a name is a ValueError.
         reason = getattr(error, "strerror", None) or str(error)
-        raise LogError(f"no run directory can be made here: {reason}", key=str(directory)) from None
+        raise LogError(f"no run directory can be made here: {reason}", key=short(directory)) from None
     if not place.name:
         raise LogError("a run directory needs a name", key=str(directory))
     return place / f"{place.name}{BAG_SUFFIX}"
@@ -120,14 +125,11 @@ def write_metadata_yaml(
 
 def description(place: Path) -> dict[str, Any]:
     """What ``metadata.yaml`` of a bag says; nothing where it is absent or unreadable, for the files say it too."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
-
     try:
-        text = (place / METADATA_FILE).read_text(encoding="utf-8")
-        data = YAML(typ="safe", pure=True).load(text)["rosbag2_bagfile_information"]
+        text = read_text(place / METADATA_FILE, METADATA_BYTES)
+        data = load_yaml(text, METADATA_FILE)["rosbag2_bagfile_information"]
         return data if isinstance(data, dict) else {}
-    except (OSError, UnicodeDecodeError, YAMLError, LookupError, TypeError, ValueError, RecursionError):
+    except (SpaceRobotError, LookupError, TypeError):
         return {}
 
 

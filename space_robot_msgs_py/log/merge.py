@@ -19,6 +19,16 @@ from space_robot_msgs_py.log.preamble import LIBRARY
 from space_robot_msgs_py.log.mcap.index import IndexedWriter
 from space_robot_msgs_py.log.mcap.records import MESSAGE, PREFIX, parse, record_bytes
 from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
+from space_robot_msgs_py.log.bag import Bag, Channels
+from space_robot_msgs_py.bounded_yaml import load_yaml
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.limits import METADATA_BYTES
+from space_robot_msgs_py.log.directory import BagTopic
+from space_robot_msgs_py.log.header import METADATA_NAME
+from space_robot_msgs_py.log.preamble import LIBRARY
+from space_robot_msgs_py.log.mcap.index import IndexedWriter
+from space_robot_msgs_py.log.mcap.records import MESSAGE, PREFIX, parse, record_bytes
+from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
 
 # What rosbag2 keeps of its own metadata in a file speaks of the file as it was.
 STALE = "rosbag2"
@@ -160,11 +170,8 @@ def _add(writer: IndexedWriter, record: bytes) -> None:
 @cache
 def _offers(text: str) -> tuple[Mapping[str, Any], ...]:
     """The offered quality of service that a channel carries as YAML; none where it is unreadable."""
-    from ruamel.yaml import YAML
-    from ruamel.yaml.error import YAMLError
-
     try:
-        offers = YAML(typ="safe", pure=True).load(text)
-    except (YAMLError, ValueError, RecursionError):
+        offers = load_yaml(text, OFFERS, METADATA_BYTES)
+    except SpecError:
         return ()
     return tuple(offer for offer in offers if isinstance(offer, dict)) if isinstance(offers, list) else ()

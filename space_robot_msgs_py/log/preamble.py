@@ -6,6 +6,8 @@ from mcap.records import Attachment, Channel, Header, Schema
 
 from space_robot_msgs_py.log.header import EXPERIMENT_ATTACHMENT, METADATA_NAME, URDF_ATTACHMENT, LogHeader
 from space_robot_msgs_py.log.mcap.records import MAGIC, metadata_bytes, record_bytes
+from space_robot_msgs_py.log.header import METADATA_NAME, LogHeader
+from space_robot_msgs_py.log.mcap.records import MAGIC, metadata_bytes, record_bytes
 from space_robot_msgs_py.qos import qos_of, yaml_text
 from space_robot_msgs_py.codec.schemas import schema_text, type_hash
 from space_robot_msgs_py.topics import TABLE, Topic
@@ -32,8 +34,7 @@ def preamble(header: LogHeader) -> bytes:
     parts = [
         signature(),
         metadata_bytes(METADATA_NAME, header.metadata()),
-        _attachment(EXPERIMENT_ATTACHMENT, "application/yaml", header.experiment),
-        _attachment(URDF_ATTACHMENT, "application/xml", header.urdf),
+        *(_attachment(*one) for one in header.attachments()),
     ]
     types = list(dict.fromkeys(topic.type for topic in RECORDED))
     for number, ros_type in enumerate(types, start=1):

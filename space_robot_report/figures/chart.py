@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from space_robot_msgs_py.escapes import mathtext
 from space_robot_report.figures.curves import shown
 from space_robot_report.palette import PALETTE
 from space_robot_studies.reproduce.manifest import Chart
@@ -38,9 +39,7 @@ def draw_chart(axis: Any, chart: Chart, flown: FlownFigure) -> None:
         axis.set_xlim(-0.5, len(groups) - 0.5)
 
 
-def plain(text: str) -> str:
-    """A text of the manifest is never a formula."""
-    return text.replace("$", r"\$")
+plain = mathtext
 
 
 def _draw_group(axis: Any, chart: Chart, flown: FlownFigure, points: dict[float, list[FlownRun]]) -> int:

@@ -5,14 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
-
-mpl.use("Agg")
-from matplotlib import pyplot as plt
-
 from space_robot_msgs_py.errors import LogError
 from space_robot_report.figures.chart import plain
 from space_robot_report.figures.paper import LOOK
+from space_robot_report.figures.pictures import own_settings, plt
 from space_robot_report.palette import PALETTE
 from space_robot_studies.compare.comparison import METRICS, Cell, Comparison
 from space_robot_studies.compare.tables import words
@@ -28,7 +24,7 @@ def draw_comparison(comparison: Comparison, path: Path) -> None:
         LogError: it cannot be written.
     """
     conditions = comparison.conditions
-    with mpl.rc_context(LOOK):
+    with own_settings(LOOK):
         size = (WIDTH * len(conditions) + 1.2, HEIGHT * len(DRAWN))
         rows = len(DRAWN), len(conditions)
         picture, axes = plt.subplots(

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-
-mpl.use("Agg")
-from matplotlib import pyplot as plt
 
 from space_robot_control.rotations import to_rpy
 from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.escapes import mathtext
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.log.arrays import LogArrays
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_report.figures.pictures import own_settings, plt
 
 AXES = ("roll", "pitch", "yaw")
 
@@ -34,8 +34,13 @@ def draw(log: Path, out: Path) -> None:
     arrays = reader.arrays()
     if arrays.time.size < 2:
         raise LogError("nothing to draw: fewer than two complete ticks", key=str(log))
-    joints = reader.header.joint_names
-    truth = arrays.plant["true_configuration"]
+    with own_settings():
+        _draw(arrays, [mathtext(name) for name in reader.header.joint_names], out)
+
+
+def _draw(arrays: LogArrays, joints: Sequence[str], out: Path) -> None:
+    # A plant of another tool does not tell the truth: then it is what was measured.
+    truth = arrays.plant.get("true_configuration", arrays.q)
     figure, panels = plt.subplots(4, 1, sharex=True, figsize=(8.0, 10.0), layout="constrained")
     _followed(panels[0], arrays.time, _attitude(truth), _attitude(arrays.q_d), AXES, "base attitude [deg]")
     _followed(panels[1], arrays.time, np.degrees(truth[:, 7:]), np.degrees(arrays.q_d[:, 7:]), joints, "joints [deg]")
@@ -56,14 +61,14 @@ def _attitude(q: Vector) -> Vector:
     return angles
 
 
-def _followed(panel: Any, time: Vector, values: Vector, wanted: Vector, names: tuple[str, ...], label: str) -> None:
+def _followed(panel: Any, time: Vector, values: Vector, wanted: Vector, names: Sequence[str], label: str) -> None:
     for index, name in enumerate(names):
         (line,) = panel.plot(time, values[:, index], label=name)
         panel.plot(time, wanted[:, index], linestyle=":", color=line.get_color())
     _dress(panel, f"{label}, dotted: desired")
 
 
-def _held(panel: Any, time: Vector, values: Vector, names: list[str] | tuple[str, ...], label: str) -> None:
+def _held(panel: Any, time: Vector, values: Vector, names: Sequence[str], label: str) -> None:
     for index, name in enumerate(names):
         panel.step(time, values[:, index], where="post", label=name)
     _dress(panel, f"{label}, commanded")

@@ -5,16 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
-
-mpl.use("Agg")
-from matplotlib import pyplot as plt
 from matplotlib.colors import is_color_like
 
 from space_robot_msgs_py.errors import LogError, SpecError
 from space_robot_report.figures.chart import draw_chart, plain
 from space_robot_report.figures.curves import Curve, curves_of
 from space_robot_report.figures.grid import draw_grid
+from space_robot_report.figures.pictures import own_settings, plt
 from space_robot_report.figures.stability_map import draw_stability
 from space_robot_studies.reproduce.manifest import Drawing, Figure
 from space_robot_studies.reproduce.reproduction import FlownFigure
@@ -60,7 +57,7 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
     rows = len(figure.panels) + len(figure.charts) + len(figure.grids) + len(figure.maps)
     if not rows:
         return False
-    with mpl.rc_context(LOOK):
+    with own_settings(LOOK):
         size = (WIDTH, ALONE if rows == 1 else HEIGHT * rows)
         picture, axes = plt.subplots(rows, 1, figsize=size, layout="constrained", squeeze=False)
         try:

@@ -5,23 +5,28 @@ from __future__ import annotations
 from pathlib import Path
 
 from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.logs.logged import confined
 from space_robot_bringup.modes.run import RunResult
 from space_robot_studies.campaign.cases import make_case
 from space_robot_studies.campaign.journal import begun_campaign, finished_row
 
 
-def case_experiment(directory: Path, index: int) -> Experiment:
-    """The experiment of a case.
+def case_experiment(directory: Path, index: int, *, allow_code: bool = False) -> Experiment:
+    """The experiment of a case; the directory may be somebody else's, so it brings no code and names no file.
 
     Args:
         directory: of the campaign, finished or not.
         index: of the case.
+        allow_code: the user vouches for the directory: robot files that it names are read.
 
     Raises:
         InputFileError: there is no campaign.
-        SpecError: there is no such case.
+        SpecError: there is no such case, or it names a file.
     """
-    return make_case(begun_campaign(directory), index).experiment()
+    case = make_case(begun_campaign(directory), index)
+    if not allow_code:
+        confined(case.data, f"case {index}")
+    return case.experiment()
 
 
 def differences(directory: Path, index: int, result: RunResult) -> list[str] | None:

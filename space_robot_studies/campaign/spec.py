@@ -15,7 +15,7 @@ from space_robot_bringup.experiment.dotted_keys import set_key
 from space_robot_bringup.experiment.experiment import Expectation, experiment_from, experiment_path, located
 from space_robot_description.load import load_robot
 from space_robot_description.share import is_file, shipped_or_file
-from space_robot_description.spec import Strict
+from space_robot_description.spec import Strict, Title
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_studies.campaign.distributions import Draw
 
@@ -45,8 +45,8 @@ class Campaign(Strict):
     campaign, its content.
     """
 
-    title: str = ""
-    source: str = Field(default="", description="paper and figure this reproduces")
+    title: Title = ""
+    source: Title = Field(default="", description="paper and figure this reproduces")
     experiment: str | dict[str, Any]
     set: dict[str, Any] = Field(default_factory=dict, description="dotted key of the experiment -> value, for all runs")
     runs: PositiveInt = Field(description="runs per point of the grid")

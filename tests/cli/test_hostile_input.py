@@ -45,7 +45,7 @@ REFUSED = {
     ),
     "half a mapping": ("controller.gains={", "--set controller.gains", "YAML"),
     "an unknown alias": ("title=*a", "--set title", "YAML"),
-    "too many digits": ("seed=" + "9" * 5000, "--set seed", "YAML"),
+    "too many digits": ("seed=" + "9" * 5000, "--set seed", "128 bits"),
 }
 
 

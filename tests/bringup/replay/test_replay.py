@@ -12,6 +12,7 @@ from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.replay.comparison import Divergence, Tolerance
 from space_robot_bringup.replay.golden import refly
+from space_robot_bringup.replay.recording import Code
 from space_robot_bringup.replay.replay import Replayed
 from space_robot_bringup.replay.result import Outcome
 from space_robot_control.laws.switching import Switching
@@ -241,12 +242,14 @@ def test_a_run_that_ended_with_an_error_ends_so_again(tmp_path: Path, law: str) 
     """The reason of the end is compared too: the same law gives up at the same state with the same words."""
     name = "tests.support.laws:GivesUp" if law == "gives_up" else "none"
     bag = fly(tmp_path / "run", "compare/mini", SHORT, f"controller.law={name}")
-    assert_equal_up_to_the_end(replayed(bag))
+    code = Code(allowed=True)
+    assert_equal_up_to_the_end(replayed(bag, code=code))
     if law == "gives_up":
         other = replayed(bag, against="controller", overrides=["controller.law=none"])
         assert first(one(other)).field in ("patience", "answer")
         forged = rewritten(bag, tmp_path / "forged", end="controller: out of fuel")
-        assert first(one(replayed(forged, against="controller"))).recorded == "controller: out of fuel"
+        again = replayed(forged, against="controller", code=code)
+        assert first(one(again)).recorded == "controller: out of fuel"
 
 
 def assert_equal_up_to_the_end(done: Replayed) -> None:

@@ -1,0 +1,39 @@
+"""The source of a custom law: the log carries it, so that a replay can tell whether it runs the same one."""
+
+from __future__ import annotations
+
+import sys
+from hashlib import sha256
+from pathlib import Path
+
+from space_robot_control.laws.base import Law
+from space_robot_control.laws.registry import BUILT_IN
+from space_robot_msgs_py.bounded_files import read_bytes
+from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.limits import LAW_SOURCE_BYTES
+from space_robot_msgs_py.log.header import LawSource
+
+_SHIPPED = frozenset(path.partition(":")[0] for path in BUILT_IN.values())
+
+
+def source_of(cls: type[Law]) -> LawSource | None:
+    """The file a law is defined in; None for a shipped law, which its version tells, and where there is no file.
+
+    What that file imports is not in it.
+    """
+    if cls.__module__ in _SHIPPED:
+        return None
+    file = getattr(sys.modules.get(cls.__module__), "__file__", None)
+    if file is None:
+        return None
+    try:
+        content = read_bytes(Path(file), LAW_SOURCE_BYTES)
+    except SpaceRobotError:
+        # Gone since, or larger than any source.
+        return None
+    try:
+        text = content.decode("utf-8")
+    except UnicodeDecodeError:
+        # A compiled module has a digest, and nothing to read.
+        text = ""
+    return LawSource(cls.__qualname__, sha256(content).hexdigest(), text)
