@@ -1,7 +1,7 @@
 """One control cycle of the adaptive law on `mini`, and how it grows with the number of joints.
 
 The contenders take turns, flight by flight, so that a neighbour's load hits all of them; of every row the tenth
-percentile is given, which is what a cycle takes when nobody interrupts it. Liu, Teng and Jin (2023) give 1e-4 s for
+percentile is given, which is what a cycle takes when nothing interrupts it. Liu, Teng and Jin (2023) give 1e-4 s for
 theirs, on a machine they do not name: so one ABA of Pinocchio and one computed-torque update of the same robot stand
 beside it.
 """

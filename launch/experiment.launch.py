@@ -71,7 +71,7 @@ def _nodes(context: LaunchContext) -> list[Node]:
 
 
 def _options(chosen: dict[str, str], recorded: bool) -> list[str]:
-    """The command line that all nodes share: one experiment, whoever reads it."""
+    """The command line that all nodes share: one experiment for every node."""
     out = chosen["out"] or str(Path("runs") / Path(chosen["experiment"]).stem)
     options = ["--experiment", chosen["experiment"], "--out", out]
     if not recorded:

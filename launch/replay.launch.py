@@ -1,7 +1,7 @@
 """``ros2 launch space_robot_bringup replay.launch.py bag:=runs/fig08 [rate:=1.0] [experiment:=liu2023/fig08]``.
 
-The replayer speaks in place of the simulator and guidance; whoever is on the graph answers. With ``experiment`` that is
-a controller of ours. Launch exits with 1 when a node fails or nobody answers.
+The replayer speaks in place of the simulator and guidance; a controller on the graph answers. With ``experiment`` that
+is a shipped one. Launch exits with 1 when a node fails or no command comes.
 """
 
 from __future__ import annotations

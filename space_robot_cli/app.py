@@ -31,7 +31,7 @@ LawOption = Annotated[
     typer.Option(
         "--law",
         metavar="[NAME=]FILE:Class",
-        help="the law to use where the data names code of somebody's; NAME: which one of several",
+        help="the law to use where the data names custom code; NAME: which one of several",
     ),
 ]
 AllowCodeOption = Annotated[

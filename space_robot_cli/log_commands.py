@@ -55,7 +55,7 @@ def replay(
     allow_code: AllowCodeOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Compute a recorded run again and compare every number with the log, or let a node of yours answer it."""
+    """Compute a recorded run again and compare every number with the log, or publish it to a node of your own."""
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.golden import refly
     from space_robot_bringup.replay.publish import PublishOrder

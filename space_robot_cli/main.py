@@ -124,7 +124,7 @@ def run(
         policy = law_policy(law or (), spec.controller.laws_by_name, allow_code=allow_code)
         spec, name = with_laws(spec, policy), f"{campaign_directory.resolve().name}_{index:06d}"
     elif law or allow_code:
-        accepted = "with --from; of an experiment of yours: --set controller.law=FILE:Class"
+        accepted = "with --from; of your own experiment: --set controller.law=FILE:Class"
         raise SpecError("is for --from", key="--law, --allow-code", accepted=accepted)
     elif experiment is not None and campaign_directory is None and index is None:
         spec = with_duration(load_experiment(experiment, set_ or ()), duration)

@@ -82,7 +82,7 @@ def show_log(log: Path, *, port: int, open_browser: bool) -> None:
 
 def _announce(address: str) -> None:
     out.print(f"view: {address} (Ctrl-C ends it)", markup=False, soft_wrap=True)
-    # Whoever reads a pipe waits for the address.
+    # A process that reads a pipe waits for the address.
     out.file.flush()
 
 

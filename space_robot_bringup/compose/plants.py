@@ -59,7 +59,7 @@ class PlantKind:
 
 
 def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
-    # Only here: whoever needs no plant need not wait for its compiler.
+    # Imported only here: what needs no plant does not wait for its compiler.
     from space_robot_sim.plant import SimulatedRobot
 
     return SimulatedRobot(

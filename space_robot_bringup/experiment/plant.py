@@ -1,4 +1,4 @@
-"""The plant section of an experiment: one typed model per kind of plant, told apart by ``kind``."""
+"""The plant section of an experiment: one typed model per kind of plant, discriminated by ``kind``."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ def with_recorded_log(reference: Mapping[str, Any], folder: Path) -> dict[str, A
     Raises:
         SpecError: ``log`` stands beside numbers, or the log holds no complete tick.
         InputFileError: there is no such log.
-        LogError: it is not one of ours.
+        LogError: it is not a run log.
     """
     given = dict(reference)
     if given.get("kind") != "recorded" or "log" not in given:

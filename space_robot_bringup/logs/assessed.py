@@ -61,7 +61,7 @@ def read_judged(path: Path | str) -> JudgedLog:
 
     Raises:
         InputFileError: there is no such log.
-        LogError: it is not one of ours, or no complete tick can be read.
+        LogError: it is not a run log, or no complete tick can be read.
     """
     reader = LogReader(path)
     troubles: list[str] = []

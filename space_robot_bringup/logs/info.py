@@ -64,7 +64,7 @@ class Verdict:
 
     @property
     def passed(self) -> bool | None:
-        """Every bound holds; None: nobody can tell."""
+        """Every bound holds; None: it cannot be determined."""
         return all(check.passed for check in self.checks) if self.checks else None
 
 
@@ -76,7 +76,7 @@ class BagInfo:
         path: as given.
         size: of its files [bytes].
         topics: in the order of their first messages.
-        provenance: title, robot, law, seed, ... of a log of ours; empty for a bag of another tool.
+        provenance: title, robot, law, seed, ... of a run log; empty for a bag of another tool.
         versions: of everything that can change the bits of a run.
         end_reason: None: it was cut, or is another tool's.
         damage: bytes that are lost.

@@ -1,4 +1,4 @@
-"""What is compiled before the first run on a machine, so that nobody waits without knowing for what."""
+"""What is compiled before the first run on a machine, so that a wait is explained."""
 
 from __future__ import annotations
 
@@ -43,4 +43,4 @@ def _must_compile(law: str, policy: LawPolicy) -> bool:
     try:
         return law_class(law, policy=policy).must_compile()
     except SpecError:
-        return False  # whoever makes it says better where it stands
+        return False  # the error is clearer where the law is made

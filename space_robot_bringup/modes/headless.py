@@ -33,7 +33,7 @@ def run(
         reference: the desired motion.
         steps: number of control periods.
         sink: takes every tick; it is closed with the reason of the end, whatever happens.
-        on_tick: told each finished tick.
+        on_tick: called with each finished tick.
         stop: asked before each tick; a reason ends the run.
 
     Returns:

@@ -11,12 +11,12 @@ ROLES = ("recorder", "guidance", "controller", "simulator")
 
 @dataclass(frozen=True, slots=True)
 class Hooks:
-    """How a run talks to whoever started it.
+    """How a run talks to the code that started it.
 
     Attributes:
-        on_tick: told each finished tick.
+        on_tick: called with each finished tick.
         stop: asked often; a reason ends the run.
-        warn: told before the flight what the law warns of.
+        warn: called before the run with each warning of the law.
     """
 
     on_tick: Callable[[int], None] = lambda tick: None

@@ -41,7 +41,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser().parse_args(own)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         try:
-            # As every ROS process: whoever starts several of us gives them one domain, or they meet on 0.
+            # As every ROS process: nodes started together are given one domain, or they meet on 0.
             domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
             with local_context(domain, ros) as context:
                 start = start_from(vars(options), given_at_start(options.role, context))

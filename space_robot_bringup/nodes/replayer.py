@@ -25,7 +25,7 @@ POLL_SECONDS = 0.05
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Publish one bag. Returns 0, 1 where nobody answered, 2 on bad input."""
+    """Publish one bag. Returns 0, 1 without an answer, 2 on bad input."""
     given = sys.argv[1:] if arguments is None else arguments
     split = given.index("--ros-args") if "--ros-args" in given else len(given)
     parser = argparse.ArgumentParser(prog="replayer", description=__doc__)
@@ -56,7 +56,7 @@ def publish(
     stop: Callable[[], str | None],
     ros_arguments: Sequence[str] = (),
 ) -> str:
-    """Publish a bag until it is over, somebody ends the run or ``stop`` gives a reason; returns the reason.
+    """Publish a bag until it is over, the run is ended or ``stop`` gives a reason; returns the reason.
 
     Nodes that are to hear it are on the domain of ROS_DOMAIN_ID, as with every ROS process.
     """

@@ -1,4 +1,4 @@
-"""Recorded and fresh messages held against each other, number by number."""
+"""Recorded and recomputed messages compared number by number."""
 
 from __future__ import annotations
 

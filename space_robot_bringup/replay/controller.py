@@ -81,7 +81,7 @@ class _Replay:
             return f"the state at {stamp} ns cannot be used ({error}): not compared from there on"
         answered = any(topic.name in parts for topic in topics_of("command"))
         if not (answered or stamp == self._final):
-            self._notes["states have no recorded answer, so nobody was asked"] += 1
+            self._notes["states have no recorded answer and were not compared"] += 1
             return ""
         self._ticks += 1
         self._happen(parts)

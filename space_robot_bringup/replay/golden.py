@@ -20,7 +20,7 @@ _HEADLESS = {"mode": "headless"}
 
 
 def refly(recording: Recording) -> bool:
-    """Fly the experiment of a log of ours again, headless, and put the new bag in its place.
+    """Run the experiment of a log again, headless, and put the new bag in its place.
 
     Args:
         recording: with what was overridden, which becomes part of the new reference.
@@ -29,7 +29,7 @@ def refly(recording: Recording) -> bool:
         True if the file is another one than before.
 
     Raises:
-        LogError: it is no log of ours, the new flight ends otherwise, or the disk refuses; the bag is as it was.
+        LogError: it is not a run log, the new run ends otherwise, or the disk refuses; the bag is as it was.
     """
     old = _bag_file(recording)
     composition = recording.composition
@@ -57,7 +57,7 @@ def _events(recording: Recording) -> dict[int, tuple[ControllerEvent, ...]]:
 def _bag_file(recording: Recording) -> Path:
     files = Bag(recording.path).files
     if recording.foreign or len(files) != 1 or not files[0].name.endswith(BAG_SUFFIX):
-        accepted = f"a log of ours, <name>{BAG_SUFFIX} in its run directory"
+        accepted = f"a run log, <name>{BAG_SUFFIX} in its run directory"
         raise LogError("is no reference that could be flown again", key=str(recording.path), accepted=accepted)
     return files[0].resolve()
 

@@ -61,7 +61,7 @@ class PublishOrder:
 
     @property
     def pace(self) -> float | None:
-        """None in lock-step; nobody answers a bag that publishes the commands itself."""
+        """None in lock-step; a bag that publishes the commands itself needs no answer."""
         return 1.0 if self.rate is None and any(topic.kind == "command" for topic in self.published) else self.rate
 
 

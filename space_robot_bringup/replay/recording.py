@@ -1,4 +1,4 @@
-"""A recorded run ready to be computed again: its experiment and its messages by stamp, whoever wrote the bag."""
+"""A recorded run ready to be computed again: its experiment and its messages by stamp, from any tool."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Recording:
         versions: package to (recorded, here) where they differ.
         remarks: what a reader should know about the bag.
         foreign: another tool wrote it.
-        header: of a log of ours.
+        header: of a run log.
     """
 
     path: Path

@@ -43,5 +43,5 @@ class Outcome:
 
 
 def absent_topics(comparison: Comparison, topics: tuple[Topic, ...], ignored: tuple[str, ...]) -> tuple[str, ...]:
-    """Topics nothing was compared of although nobody said to ignore them."""
+    """Topics of which nothing was compared although they were not ignored."""
     return tuple(topic.name for topic in topics if topic.name not in ignored and not comparison.compared[topic.name])

@@ -92,7 +92,7 @@ def print_recovery(console: Console, done: Recovery) -> None:
     if done.nameless:
         _say(console, f"lost: {done.nameless} messages of topics the file no longer names", "red")
     if done.complaint:
-        _say(console, f"no longer a log of ours ({done.complaint}): replay it with --experiment", "yellow")
+        _say(console, f"not a run log any more ({done.complaint}): replay it with --experiment", "yellow")
     last = f"last good stamp {done.last_stamp / NANOSECONDS:.10g} s"
     _say(console, f"recovered: {sum(done.kept.values())} messages, {last}, {done.path.parent}")
     _say(console, f"ended: {done.end_reason or 'the end is not in it'}")

@@ -245,7 +245,7 @@ def test_files_of_other_tools_in_the_folder_run_nothing(trap: Trap) -> None:
     (trap.folder / "matplotlibrc").write_text("figure.hooks: evil:hook\ntext.usetex: True\n")
     (trap.folder / ".numba_config.yaml").write_text(f"cache_dir: {trap.folder / 'kernels'}\n")
     for command in (["plot", str(trap.bag), "--out", "picture.png"], ["replay", str(trap.bag)]):
-        done = subprocess.run([sys.executable, "-m", "space_robot_bringup", *command], check=False, capture_output=True)
+        done = subprocess.run([sys.executable, "-m", "space_robot_cli", *command], check=False, capture_output=True)
         assert done.returncode == 0, done.stderr
     assert not trap.sprung
     assert not (trap.folder / "kernels").exists()
