@@ -12,13 +12,10 @@ from rich.console import Console
 from space_robot_bringup.modes.compilation import notice
 from space_robot_bringup.modes.signals import StopFlag
 from space_robot_cli.progress import Progress
-from space_robot_msgs_py.errors import SpecError
-from space_robot_studies.campaign.campaign import CampaignHooks, CampaignResult, run_campaign
+from space_robot_studies.campaign.campaign import CampaignHooks, CampaignResult, check_options, run_campaign
 from space_robot_studies.campaign.cases import make_case
 from space_robot_studies.campaign.run_case import Keep
 from space_robot_studies.campaign.spec import Campaign
-
-MOST_WORKERS = 1024
 
 
 def fly(
@@ -49,10 +46,7 @@ def fly(
     Raises:
         SpaceRobotError: it cannot be flown; nothing was written.
     """
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise SpecError("not a number of workers", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
-    if workers is not None and scheduler is not None:
-        raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
+    check_options(workers, scheduler, keep)
     laws = [make_case(campaign, index).data["controller"]["law"] for index in range(campaign.points)]
     if not quiet and (line := notice(laws, plant=scheduler is None)):
         console.print(line)

@@ -108,16 +108,14 @@ def run(
 ) -> None:
     """Fly an experiment, log it to a bag and print the verdict."""
     mode = mode or ("headless" if campaign_directory is None else "graph")
-    if mode not in MODES:
-        raise SpecError("no such mode", key="--mode", value=mode, accepted=", ".join(MODES))
-    if realtime is not None and not 1e-3 <= realtime <= 1e4:
-        raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
     from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration
     from space_robot_bringup.logs.logged import law_policy, with_laws
+    from space_robot_bringup.modes.run import check_pace
     from space_robot_cli.render import run as render
     from space_robot_control.laws.policy import TYPED
     from space_robot_studies.campaign.rerun import case_experiment, differences
 
+    check_pace(mode, realtime)
     policy = TYPED
     if campaign_directory is not None and index is not None and not (experiment or set_ or duration):
         spec = case_experiment(campaign_directory, index, allow_code=allow_code)

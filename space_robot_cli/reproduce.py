@@ -17,9 +17,7 @@ from space_robot_cli.render.paper import markdown, show
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
 from space_robot_studies.reproduce.process_pool import cores
-from space_robot_studies.reproduce.reproduction import FlownFigure, prepare, reproduce
-
-MOST_WORKERS = 256
+from space_robot_studies.reproduce.reproduction import FlownFigure, check_workers, prepare, reproduce
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +55,7 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     Raises:
         SpaceRobotError: something is wrong with the input; nothing was written.
     """
-    if order.workers is not None and not 1 <= order.workers <= MOST_WORKERS:
-        raise SpecError("not a usable number", key="--workers", value=order.workers, accepted=f"1 to {MOST_WORKERS}")
+    check_workers(order.workers)
     try:
         from space_robot_msgs_py.atomic_file import write_atomically
         from space_robot_report.figures.paper import check_colors

@@ -43,6 +43,10 @@ def shortened(text: str, most: int) -> str:
     return text if len(text) <= most else f"{text[: 2 * most // 3]}...{text[-most // 3 + 3 :]}"
 
 
+class SpaceRobotWarning(UserWarning):
+    """Something is allowed and probably not meant, such as a run outside the bounds of its law."""
+
+
 class SpecError(SpaceRobotError, ValueError):
     """An experiment, robot or option says something that cannot be done."""
 

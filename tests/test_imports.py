@@ -11,9 +11,9 @@ import pytest
 
 from tests.support.paths import ROOT
 
+FACE = "space_robot"
 MSGS, DESCRIPTION, CONTROL, SIM, BRINGUP, STUDIES, REPORT, CLI = (
-    f"space_robot_{name}"
-    for name in ("msgs_py", "description", "control", "sim", "bringup", "studies", "report", "cli")
+    f"{FACE}_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup", "studies", "report", "cli")
 )
 BASE = {MSGS, DESCRIPTION}
 DOING = BASE | {CONTROL, SIM}
@@ -26,6 +26,7 @@ MAY_IMPORT = {
     STUDIES: DOING | {BRINGUP, STUDIES},
     REPORT: DOING | {BRINGUP, STUDIES, REPORT},
     CLI: DOING | {BRINGUP, STUDIES, REPORT, CLI},
+    FACE: DOING | {BRINGUP, STUDIES, REPORT, FACE},
 }
 ROS = ("rclpy", "domain_coordinator", "std_msgs", "std_srvs", "sensor_msgs", "nav_msgs", "geometry_msgs")
 ROS += ("trajectory_msgs", "diagnostic_msgs", "rosgraph_msgs", "builtin_interfaces", "rcl_interfaces")

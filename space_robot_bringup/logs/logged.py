@@ -11,10 +11,10 @@ from typing import Any
 
 from space_robot_bringup.compose.composition import Composition, compose_world
 from space_robot_bringup.experiment.controller import check_controller
-from space_robot_bringup.experiment.experiment import Experiment, experiment_from
+from space_robot_bringup.experiment.experiment import Experiment, Overrides, assignments, experiment_from
 from space_robot_control.laws.policy import INSTALLED, LawPolicy
 from space_robot_description.share import shipped
-from space_robot_description.validation import parse_yaml_text, parse_yaml_value
+from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
 
 _OUTSIDE = "names a file, which data from elsewhere may not"
@@ -64,13 +64,11 @@ def confined(data: Mapping[str, Any], where: str) -> dict[str, Any]:
     return dict(data)
 
 
-def typed_in(overrides: Iterable[str]) -> frozenset[str]:
-    """Every text that the user typed as a value of ``dotted.key=value``: a law among them was typed by the user."""
+def typed_in(overrides: Overrides) -> frozenset[str]:
+    """Every text that the user typed as a value of an override: a law among them was typed by the user."""
     found: set[str] = set()
-    for override in overrides:
-        key, equals, text = override.partition("=")
-        if equals:
-            _collect(parse_yaml_value(text, f"--set {key}"), found)
+    for _, value, _ in assignments(overrides):
+        _collect(value, found)
     return frozenset(found)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -11,7 +12,13 @@ from typing import Any
 from space_robot_bringup.compose.composition import Composition, versions
 from space_robot_bringup.compose.controllers import law_sources
 from space_robot_bringup.experiment.controller import ControllerSpec
-from space_robot_bringup.experiment.experiment import experiment_from, experiment_path, located, with_overrides
+from space_robot_bringup.experiment.experiment import (
+    Overrides,
+    experiment_from,
+    experiment_path,
+    located,
+    with_overrides,
+)
 from space_robot_bringup.logs.logged import compose_logged, confined, law_policy, typed_in
 from space_robot_bringup.replay.foreign_bag import foreign_rows
 from space_robot_control.laws.policy import LawPolicy
@@ -22,6 +29,7 @@ from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.log.bag import Bag
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import BASE_ODOM
 
 
@@ -71,8 +79,8 @@ NO_CODE = Code()
 def open_recording(
     path: Path,
     *,
-    experiment: str | None = None,
-    overrides: Sequence[str] = (),
+    experiment: StrPath | None = None,
+    overrides: Overrides = (),
     namespace: str = "",
     code: Code = NO_CODE,
 ) -> Recording:
@@ -81,7 +89,7 @@ def open_recording(
     Args:
         path: run directory, bag directory or .mcap file.
         experiment: shipped name or YAML file, for bags without one.
-        overrides: ``dotted.key=value``.
+        overrides: see ``load_experiment``.
         namespace: of the topics in a bag of another tool.
         code: of laws that may be run.
 
@@ -93,7 +101,7 @@ def open_recording(
         where = experiment_path(experiment)
         data = located(parse_yaml(where), where.parent)
         # The user typed the name of this file, so it may name code as for a run.
-        composition, changes = _composed(data, experiment, overrides, Code(code.laws, allowed=True))
+        composition, changes = _composed(data, os.fspath(experiment), overrides, Code(code.laws, allowed=True))
         rows, remarks = foreign_rows(bag, composition.joint_names, namespace)
         _check_period(rows, composition)
         return Recording(path, composition, lambda: iter(rows), None, changes, {}, tuple(remarks), foreign=True)
@@ -148,31 +156,30 @@ def _check_period(rows: Iterable[Row], composition: Composition) -> None:
 
 
 def _composed(
-    data: dict[str, Any], where: str, overrides: Sequence[str], code: Code
+    data: dict[str, Any], where: str, overrides: Overrides, code: Code
 ) -> tuple[Composition, dict[str, tuple[Any, Any]]]:
     experiment = experiment_from(with_overrides(data, overrides), where)
     policy = _policy(experiment.controller, overrides, code)
     return compose_logged(experiment, policy), changed(data, overrides, where)
 
 
-def _policy(spec: ControllerSpec, overrides: Sequence[str], code: Code) -> LawPolicy:
+def _policy(spec: ControllerSpec, overrides: Overrides, code: Code) -> LawPolicy:
     policy = law_policy(code.laws, spec.laws_by_name, allow_code=code.allowed)
     return replace(policy, typed=typed_in(overrides))
 
 
-def changed(data: Mapping[str, Any], overrides: Iterable[str], where: str) -> dict[str, tuple[Any, Any]]:
+def changed(data: Mapping[str, Any], overrides: Overrides, where: str) -> dict[str, tuple[Any, Any]]:
     """Dotted key to (recorded, now) of every value of the resolved experiment that the overrides change.
 
     Args:
         data: the recorded experiment.
-        overrides: ``dotted.key=value``.
+        overrides: see ``load_experiment``.
         where: its name, for errors.
     """
-    listed = list(overrides)
-    if not listed:
+    if not overrides:
         return {}
     before = flat(experiment_from(data, where).model_dump(mode="json"))
-    now = flat(experiment_from(with_overrides(data, listed), where).model_dump(mode="json"))
+    now = flat(experiment_from(with_overrides(data, overrides), where).model_dump(mode="json"))
     keys = dict.fromkeys((*before, *now))
     return {key: (before.get(key), now.get(key)) for key in keys if before.get(key) != now.get(key)}
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from space_robot_bringup.experiment.experiment import Overrides
 from space_robot_bringup.modes.compilation import notice
 from space_robot_bringup.replay.comparison import EXACT, Tolerance
 from space_robot_bringup.replay.controller import replay_controller
@@ -13,6 +14,7 @@ from space_robot_bringup.replay.plant import replay_plant
 from space_robot_bringup.replay.recording import NO_CODE, Code, Recording, open_recording
 from space_robot_bringup.replay.result import Outcome
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.paths import StrPath
 
 SIDES = {"controller": (replay_controller,), "plant": (replay_plant,), "both": (replay_controller, replay_plant)}
 
@@ -24,7 +26,7 @@ class Order:
     Attributes:
         against: ``controller``, ``plant`` or ``both``.
         tolerance: what counts as equal.
-        overrides: ``dotted.key=value`` of the recorded experiment.
+        overrides: of the recorded experiment, see ``load_experiment``.
         experiment: for bags without one.
         namespace: of the topics in a bag of another tool.
         code: of laws that may be run; of the log alone none is.
@@ -32,8 +34,8 @@ class Order:
 
     against: str = "both"
     tolerance: Tolerance = EXACT
-    overrides: Sequence[str] = ()
-    experiment: str | None = None
+    overrides: Overrides = ()
+    experiment: StrPath | None = None
     namespace: str = ""
     code: Code = NO_CODE
 

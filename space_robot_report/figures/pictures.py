@@ -1,14 +1,6 @@
-"""matplotlib as every picture of ours uses it: without a window, and with its own settings, wherever it is started.
-
-It reads ``matplotlibrc`` in the working directory, where a file that came with a log may lie: such a file can name
-functions to be called for each figure, and programs to set text with.
-"""
+"""pyplot for files only: no window is ever opened."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any
 
 import matplotlib as mpl
 
@@ -16,17 +8,6 @@ mpl.use("Agg")
 
 from matplotlib import pyplot as plt
 
+from space_robot_report.figures.settings import own_settings
+
 __all__ = ["own_settings", "plt"]
-
-
-@contextmanager
-def own_settings(look: Mapping[str, Any] | None = None) -> Iterator[None]:
-    """Draw with matplotlib's own settings and some of ours; afterwards those of before are back.
-
-    Args:
-        look: our settings.
-    """
-    with mpl.rc_context():
-        mpl.rcdefaults()
-        mpl.rcParams.update(look or {})
-        yield

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from space_robot_msgs_py.errors import InputFileError, LogError
+from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
 from space_robot_studies.reproduce.check import check_plan
 from space_robot_studies.reproduce.claims import Judgement, judge
 from space_robot_studies.reproduce.manifest import KEEP_ALL_UP_TO, Figure
@@ -18,6 +18,7 @@ from space_robot_studies.reproduce.run import Job, Keep, fly
 from space_robot_studies.reproduce.timing import CycleTimes, time_law
 
 RUNS, CLAIMS = "runs", "claims.json"
+MOST_WORKERS = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +45,16 @@ class FlownFigure:
         return [
             (run, flight) for run, flight in self.runs if not (flight.completed or self.figure.runs[run.group].may_fail)
         ]
+
+
+def check_workers(workers: int | None) -> None:
+    """Refuse a number of worker processes that cannot be; None is one per core.
+
+    Raises:
+        SpecError: it cannot.
+    """
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise SpecError("not a usable number", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
 
 
 def prepare(plan: Plan, figures: Sequence[str], directory: Path) -> None:

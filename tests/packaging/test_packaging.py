@@ -19,7 +19,8 @@ from tests.support.distribution import ROOT, build_wheel, executables
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 SHARE, DATA = "share/space_robot", f"space_robot-{PROJECT['version']}.data/data"
-PACKAGES = [f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup")]
+PARTS = ("msgs_py", "description", "control", "sim", "bringup", "studies", "report", "cli")
+PACKAGES = ["space_robot", *(f"space_robot_{name}" for name in PARTS)]
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +31,8 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
 def test_the_wheel_holds_every_module_and_every_config_file(wheel: zipfile.ZipFile) -> None:
     """A file added to the tree is not forgotten in the installation."""
     held = set(wheel.namelist())
-    kinds = (".py", ".j2", ".js", ".css")
-    files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.suffix in kinds)
+    kinds = (".py", ".j2", ".js", ".css", ".typed")
+    files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.name.endswith(kinds))
     modules = {path.relative_to(ROOT).as_posix() for path in files}
     config = {
         f"{DATA}/{SHARE}/{path.relative_to(ROOT).as_posix()}" for path in (ROOT / "config").rglob("*") if path.is_file()
@@ -44,7 +45,7 @@ def test_the_wheel_holds_every_module_and_every_config_file(wheel: zipfile.ZipFi
 def test_the_wheel_is_an_ament_package_with_executables(wheel: zipfile.ZipFile) -> None:
     """Every package has its marker, and the node executables are there and may be executed."""
     held = {info.filename: info for info in wheel.infolist()}
-    for name in [*PACKAGES, "space_robot"]:
+    for name in PACKAGES:
         assert f"{DATA}/share/ament_index/resource_index/packages/{name}" in held
     assert f"{DATA}/{SHARE}/package.xml" in held
     assert {"space_robot_sim/simulator", "space_robot_control/adaptive_controller"} <= set(executables())
