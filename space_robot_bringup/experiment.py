@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from copy import deepcopy
+import os
+from collections.abc import Mapping, Sequence
 from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -19,10 +19,14 @@ from space_robot_bringup.plant_spec import AnyPlant, ModelSpec, PlantSpec
 from space_robot_bringup.recorded import with_recorded_log
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
-from space_robot_description.share import is_file, shipped_or_file
+from space_robot_description.frozen import plain
+from space_robot_description.share import StrPath, is_file, shipped_or_file
 from space_robot_description.spec import PerJoint, Strict, Three
 from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import SpecError
+
+# Dotted key to value, or texts ``dotted.key=value`` with the value in YAML.
+Overrides = Mapping[str, Any] | Sequence[str]
 
 
 class Initial(Strict):
@@ -109,12 +113,15 @@ class Experiment(Strict):
         return steps_of(self.duration, self.control_period)
 
 
-def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experiment:
+def load_experiment(name_or_path: StrPath, overrides: Overrides = ()) -> Experiment:
     """Read, override and check an experiment.
 
     Args:
         name_or_path: a shipped name such as ``liu2023/fig08``, or the path of a YAML file.
-        overrides: ``dotted.key=value`` with the value in YAML.
+        overrides: ``{"controller.gains.lambda": 0.7}``, or ``["controller.gains.lambda=0.7"]`` with values in YAML.
+
+    Returns:
+        The experiment; nothing in it can be changed, at any depth.
 
     Raises:
         InputFileError: there is no such file or shipped experiment.
@@ -123,25 +130,50 @@ def load_experiment(name_or_path: str, overrides: Iterable[str] = ()) -> Experim
     return overridden(parse_yaml(experiment_path(name_or_path)), name_or_path, overrides)
 
 
-def overridden(content: Mapping[str, Any], name_or_path: str, overrides: Iterable[str]) -> Experiment:
+def overridden(content: Mapping[str, Any], name_or_path: StrPath, overrides: Overrides) -> Experiment:
     """The experiment of a file that has been read: see ``load_experiment``, of which this is the second half.
 
     Args:
         content: of the file; it is not changed.
         name_or_path: of the file.
-        overrides: ``dotted.key=value`` with the value in YAML.
+        overrides: see ``load_experiment``.
     """
     path = experiment_path(name_or_path)
-    return experiment_from(located(with_overrides(content, overrides), path.parent), str(name_or_path))
+    return experiment_from(located(with_overrides(content, overrides), path.parent), os.fspath(name_or_path))
 
 
-def with_overrides(content: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
-    """A copy of the mapping with every ``dotted.key=value`` set."""
-    data = deepcopy(dict(content))
+def with_overrides(content: Mapping[str, Any], overrides: Overrides) -> dict[str, Any]:
+    """A copy of the mapping, as plain data, with every override set.
+
+    Raises:
+        SpecError: an override is not one, or its key leads nowhere.
+    """
+    data: dict[str, Any] = plain(content)
     # The law first: gains given beside it are meant for it, those of the file's own law are not.
-    for override in sorted(overrides, key=lambda text: not text.startswith(f"{LAW_KEY}=")):
-        apply_override(data, override)
+    for key, value, where in sorted(_assignments(overrides), key=lambda assignment: assignment[0] != LAW_KEY):
+        set_key(data, key, value, where)
     return data
+
+
+def _assignments(overrides: Overrides) -> list[tuple[str, Any, str]]:
+    """(dotted key, value, what to call it in an error) of each override."""
+    if not isinstance(overrides, Mapping):
+        return [_assignment(text) for text in ([overrides] if isinstance(overrides, str) else overrides)]
+    for key, value in overrides.items():
+        if not (isinstance(key, str) and key.strip()):
+            raise SpecError("not a dotted key", key="overrides", value=key, accepted="e.g. controller.gains.damping")
+        try:
+            plain(value)
+        except ValueError as error:
+            raise SpecError(str(error), key=key) from None
+    return [(key.strip(), value, key.strip()) for key, value in overrides.items()]
+
+
+def _assignment(override: str) -> tuple[str, Any, str]:
+    key, equals, text = str(override).partition("=")
+    if not equals or not key.strip():
+        raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
+    return key.strip(), parse_yaml_value(text, f"--set {key}"), f"--set {key}"
 
 
 def located(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -163,18 +195,10 @@ def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
     return experiment
 
 
-def experiment_path(name_or_path: str) -> Path:
+def experiment_path(name_or_path: StrPath) -> Path:
     """The file of a shipped experiment, or the given path."""
     message = "no such experiment file or shipped experiment"
     return shipped_or_file(name_or_path, "experiments", key="experiment", message=message)
-
-
-def apply_override(data: dict[str, Any], override: str) -> None:
-    """Set one ``dotted.key=value`` in a mapping, see ``set_key``."""
-    key, equals, text = override.partition("=")
-    if not equals or not key.strip():
-        raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
-    set_key(data, key.strip(), parse_yaml_value(text, f"--set {key}"), f"--set {key}")
 
 
 def to_yaml(experiment: Experiment) -> str:

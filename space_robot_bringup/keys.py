@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from space_robot_description.frozen import plain
 from space_robot_msgs_py.errors import SpecError
 
 LAW_KEY = "controller.law"
@@ -16,7 +17,7 @@ def set_key(data: dict[str, Any], key: str, value: Any, where: str) -> None:
         data: what is changed.
         key: a number in it is an item of a list; a name with dots, such as a body's in ``dispersion.parameters``, is
             found where it already stands.
-        value: the new value.
+        value: the new value; a copy of it is set.
         where: what is being set, for errors.
 
     Raises:
@@ -32,7 +33,7 @@ def set_key(data: dict[str, Any], key: str, value: Any, where: str) -> None:
         key = key[len(name) + 1 :]
         slot = _slot(place, name, where)
         if not key:
-            place[slot] = value
+            place[slot] = plain(value)
         elif isinstance(place, dict) and place.get(slot) is None:
             place[slot] = {}
         place = place[slot]

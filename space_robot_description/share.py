@@ -10,6 +10,8 @@ from urllib.parse import unquote
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import InputFileError
 
+# What a path may be given as: text, a ``Path``, or anything that stands for one, such as a run.
+StrPath = str | os.PathLike[str]
 DATA = Path("share") / "space_robot" / "config"
 WHEEL_SCHEME = "example-robot-data:"
 
@@ -37,7 +39,7 @@ def shipped(kind: str) -> list[str]:
     return sorted(path.relative_to(root).with_suffix("").as_posix() for path in root.rglob("*.yaml"))
 
 
-def shipped_or_file(name_or_path: str, kind: str, *, key: str, message: str) -> Path:
+def shipped_or_file(name_or_path: StrPath, kind: str, *, key: str, message: str) -> Path:
     """The file of what is shipped under this name, or the given path.
 
     Args:
@@ -49,14 +51,15 @@ def shipped_or_file(name_or_path: str, kind: str, *, key: str, message: str) -> 
     Raises:
         InputFileError: there is neither; with the nearest shipped names.
     """
-    if is_file(path := Path(name_or_path)):
+    said = os.fspath(name_or_path)
+    if is_file(path := Path(said)):
         return path
-    if is_file(inside := config_dir() / kind / f"{name_or_path}.yaml"):
+    if is_file(inside := config_dir() / kind / f"{said}.yaml"):
         return inside
     names = shipped(kind)
-    known = nearest(name_or_path, names) or ", ".join(names)
+    known = nearest(said, names) or ", ".join(names)
     accepted = f"a YAML file, or one of: {known}" if known else f"a YAML file (no {key} is shipped)"
-    raise InputFileError(message, key=key, value=name_or_path, accepted=accepted)
+    raise InputFileError(message, key=key, value=said, accepted=accepted)
 
 
 def is_file(path: Path) -> bool:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, NonNegativeFloat, PositiveFloat
 from pydantic_core import CoreSchema
 
+from space_robot_description.frozen import frozen
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Vector
@@ -37,10 +38,38 @@ def _hold_numbers(schema: Any) -> None:
             _hold_numbers(part)
 
 
+def _may_hold(annotation: Any) -> bool:
+    """A dict or a list may be somewhere in such a value, outside of the models in it, which see to their own."""
+    if annotation is Any or isinstance(annotation, str):
+        return True
+    origin = getattr(annotation, "__origin__", annotation)
+    return origin in (dict, list) or any(_may_hold(part) for part in get_args(annotation))
+
+
 class Strict(BaseModel):
-    """Base of every typed file: unknown keys, NaN, infinity and what is no number are errors; values are immutable."""
+    """Base of every typed file: unknown keys, NaN, infinity and what is no number are errors.
+
+    Values are immutable to the last dict and list inside: what was checked is what is flown.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    # Names of the fields that may hold a dict or a list; the long ones, tables of numbers, are tuples of tuples.
+    _holders: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        """Note once for all instances what has to be frozen."""
+        super().__pydantic_init_subclass__(**kwargs)
+        cls._holders = tuple(name for name, field in cls.model_fields.items() if _may_hold(field.annotation))
+
+    def model_post_init(self, context: Any, /) -> None:
+        """Freeze what pydantic's own ``frozen`` does not: the insides of the values."""
+        for name in self._holders:
+            self.__dict__[name] = frozen(self.__dict__[name])
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with some fields replaced, which are not checked, but as immutable as the others."""
+        return super().model_copy(update={key: frozen(value) for key, value in (update or {}).items()}, deep=deep)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
+from space_robot_description.frozen import frozen
 from space_robot_msgs_py.errors import InputFileError, SpecError
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -44,7 +45,7 @@ def parse_yaml_text(text: str, where: str) -> dict[str, Any]:
     data = parse_yaml_value(text, where)
     if not isinstance(data, dict):
         raise SpecError("the file does not hold a mapping", key=where, value=_short(data), accepted="key: value lines")
-    if found := _non_finite(data, (), frozenset()):
+    if found := _non_finite(data, ()):
         key = f"{where} {'.'.join(found[0])}"
         raise SpecError("not a finite number", key=key, value=found[1], accepted="finite numbers")
     return data
@@ -54,10 +55,10 @@ def parse_yaml_value(text: str, where: str) -> Any:
     """Parse YAML text that may be anything: a mapping, a list, a number; ``where`` names it in errors.
 
     Raises:
-        SpecError: not YAML (with line and column), or a key twice.
+        SpecError: not YAML (with line and column), a key twice, or an alias to what it stands in.
     """
     try:
-        return YAML(typ="safe", pure=True).load(text)
+        value = YAML(typ="safe", pure=True).load(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
@@ -66,6 +67,12 @@ def parse_yaml_value(text: str, where: str) -> Any:
         raise SpecError(f"not valid YAML{place}: {problem}", key=where) from None
     except (YAMLError, ValueError, RecursionError) as error:
         raise SpecError(f"not valid YAML: {str(error).splitlines()[0]}", key=where) from None
+    try:
+        frozen(value)
+    except ValueError as error:
+        # Such data has no end; whatever walks it later would not have to expect it.
+        raise SpecError(str(error), key=where, accepted="nested sections without an alias to themselves") from None
+    return value
 
 
 def validate(model_class: type[Model], data: object, where: str) -> Model:
@@ -172,15 +179,15 @@ def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
     return tuple(values[0] for values in literals if len(values) == 1)
 
 
-def _non_finite(value: object, path: tuple[str, ...], above: frozenset[int]) -> tuple[tuple[str, ...], float] | None:
-    """Path and value of the first NaN or infinity, depth first; ``above`` stops at a YAML alias to its own parent."""
+def _non_finite(value: object, path: tuple[str, ...]) -> tuple[tuple[str, ...], float] | None:
+    """Path and value of the first NaN or infinity, depth first."""
     if isinstance(value, float):
         return None if math.isfinite(value) else (path, value)
-    if id(value) in above or not isinstance(value, dict | list):
+    if not isinstance(value, dict | list):
         return None
     children = value.items() if isinstance(value, dict) else enumerate(value)
     for name, child in children:
-        if found := _non_finite(child, (*path, str(name)), above | {id(value)}):
+        if found := _non_finite(child, (*path, str(name))):
             return found
     return None
 

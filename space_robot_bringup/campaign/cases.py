@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from copy import deepcopy
 from dataclasses import dataclass
 from hashlib import sha256
 from math import ceil
@@ -16,6 +15,7 @@ from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.compose import Composition, compose
 from space_robot_bringup.experiment import Experiment, experiment_from
 from space_robot_bringup.keys import set_key
+from space_robot_description.frozen import plain
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 # A double holds it, so every reader of JSON does.
@@ -76,10 +76,10 @@ def make_case(campaign: Campaign, index: int) -> Case:
     child = np.random.SeedSequence(campaign.seed, spawn_key=(run,))
     drawn = {key: _sample(campaign, key, child) for key in campaign.disperse}
     seed = int(child.generate_state(1, np.uint64)[0] >> np.uint64(64 - SEED_BITS))
-    data: dict[str, Any] = deepcopy(dict(campaign.experiment)) | {"seed": seed}  # type: ignore[arg-type]
+    data: dict[str, Any] = plain(campaign.experiment) | {"seed": seed}
     for section, values in (("vary", point.values), ("disperse", drawn)):
         for key, value in values.items():
-            set_key(data, key, deepcopy(value), f"{section}.{key}")
+            set_key(data, key, value, f"{section}.{key}")
     return Case(index, run, point.labels, drawn, data["seed"], data)
 
 

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from space_robot_bringup.experiment import experiment_from, with_overrides
+from space_robot_bringup.experiment import Overrides, experiment_from, with_overrides
 
 
-def changed(data: Mapping[str, Any], overrides: Iterable[str], where: str) -> dict[str, tuple[Any, Any]]:
+def changed(data: Mapping[str, Any], overrides: Overrides, where: str) -> dict[str, tuple[Any, Any]]:
     """Dotted key to (recorded, now) of every value of the resolved experiment that the overrides change.
 
     Args:
         data: the recorded experiment.
-        overrides: ``dotted.key=value``.
+        overrides: see ``load_experiment``.
         where: its name, for errors.
     """
-    listed = list(overrides)
-    if not listed:
+    if not overrides:
         return {}
     before = flat(experiment_from(data, where).model_dump(mode="json"))
-    now = flat(experiment_from(with_overrides(data, listed), where).model_dump(mode="json"))
+    now = flat(experiment_from(with_overrides(data, overrides), where).model_dump(mode="json"))
     keys = dict.fromkeys((*before, *now))
     return {key: (before.get(key), now.get(key)) for key in keys if before.get(key) != now.get(key)}
 

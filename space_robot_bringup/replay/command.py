@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from space_robot_bringup.compiling import notice
+from space_robot_bringup.experiment import Overrides
 from space_robot_bringup.replay.comparison import EXACT, Tolerance
 from space_robot_bringup.replay.controller import replay_controller
 from space_robot_bringup.replay.outcome import Outcome
 from space_robot_bringup.replay.plant import replay_plant
 from space_robot_bringup.replay.recording import Recording, open_recording
+from space_robot_description.share import StrPath
 from space_robot_msgs_py.errors import SpecError
 
 SIDES = {"controller": (replay_controller,), "plant": (replay_plant,), "both": (replay_controller, replay_plant)}
@@ -24,15 +26,15 @@ class Order:
     Attributes:
         against: ``controller``, ``plant`` or ``both``.
         tolerance: what counts as equal.
-        overrides: ``dotted.key=value`` of the recorded experiment.
+        overrides: of the recorded experiment, see ``load_experiment``.
         experiment: for bags without one.
         namespace: of the topics in a bag of another tool.
     """
 
     against: str = "both"
     tolerance: Tolerance = EXACT
-    overrides: Sequence[str] = ()
-    experiment: str | None = None
+    overrides: Overrides = ()
+    experiment: StrPath | None = None
     namespace: str = ""
 
     def __post_init__(self) -> None:

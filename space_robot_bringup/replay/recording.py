@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -9,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose import Composition, compose, versions
-from space_robot_bringup.experiment import experiment_from, experiment_path, located, with_overrides
+from space_robot_bringup.experiment import Overrides, experiment_from, experiment_path, located, with_overrides
 from space_robot_bringup.replay.changes import changed
 from space_robot_bringup.replay.foreign import foreign_rows
+from space_robot_description.share import StrPath
 from space_robot_description.validation import parse_yaml, parse_yaml_text
 from space_robot_msgs_py.bag import Bag
 from space_robot_msgs_py.errors import LogError, SpecError
@@ -47,14 +49,14 @@ class Recording:
 
 
 def open_recording(
-    path: Path, *, experiment: str | None = None, overrides: Iterable[str] = (), namespace: str = ""
+    path: Path, *, experiment: StrPath | None = None, overrides: Overrides = (), namespace: str = ""
 ) -> Recording:
     """Open a log of this project, or a bag of another tool with an experiment that says what it lacks.
 
     Args:
         path: run directory, bag directory or .mcap file.
         experiment: shipped name or YAML file, for bags without one.
-        overrides: ``dotted.key=value``.
+        overrides: see ``load_experiment``.
         namespace: of the topics in a bag of another tool.
 
     Raises:
@@ -64,7 +66,7 @@ def open_recording(
     if experiment is not None:
         where = experiment_path(experiment)
         data = located(parse_yaml(where), where.parent)
-        composition, changes = _composed(data, experiment, overrides)
+        composition, changes = _composed(data, os.fspath(experiment), overrides)
         rows, remarks = foreign_rows(bag, composition.joint_names, namespace)
         _check_period(rows, composition)
         return Recording(path, composition, lambda: iter(rows), None, changes, {}, tuple(remarks), foreign=True)
@@ -97,8 +99,6 @@ def _check_period(rows: Iterable[Row], composition: Composition) -> None:
         raise SpecError("not that of the bag", key="control_period", value=period / NANOSECONDS, accepted=accepted)
 
 
-def _composed(
-    data: dict[str, Any], where: str, overrides: Iterable[str]
-) -> tuple[Composition, dict[str, tuple[Any, Any]]]:
+def _composed(data: dict[str, Any], where: str, overrides: Overrides) -> tuple[Composition, dict[str, tuple[Any, Any]]]:
     now = compose(experiment_from(with_overrides(data, overrides), where))
     return now, changed(data, overrides, where)

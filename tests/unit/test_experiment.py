@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from space_robot_bringup.compose import compose
-from space_robot_bringup.experiment import experiment_from, load_experiment, to_yaml, with_duration
+from space_robot_bringup.experiment import experiment_from, experiment_path, load_experiment, to_yaml, with_duration
 from space_robot_bringup.run import run_experiment
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_description.share import shipped
@@ -45,6 +47,34 @@ def test_an_override_changes_its_key_only() -> None:
     assert changed.controller.gains == plain.controller.gains | {"lambda": 0.7}
     assert changed.plant.delay_periods == 1
     assert changed.model_copy(update={"controller": plain.controller, "plant": plain.plant}) == plain
+
+
+def test_overrides_are_a_mapping_or_texts() -> None:
+    """A mapping with Python's or NumPy's values, texts in YAML, one text: they say the same, law before gains."""
+    texts = ["controller.gains.damping=0.5", "controller.law=computed_torque", "duration=5"]
+    wanted = load_experiment("liu2023/fig08", texts)
+    assert wanted.controller.gains == {"damping": 0.5}
+    values = {"controller.gains.damping": np.float32(0.5), "controller.law": "computed_torque", "duration": np.int64(5)}
+    assert load_experiment("liu2023/fig08", values) == wanted
+    assert load_experiment(experiment_path("liu2023/fig08"), values) == wanted
+    assert load_experiment("liu2023/fig08", "seed=7").seed == 7
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said"),
+    [
+        ({"control_period": "fast"}, r"control_period: not accepted; got 'fast'"),
+        ({"control_period": float("nan")}, r"control_period: not accepted; got nan"),
+        ({"duration.x": 1}, r"^duration\.x: leads to 'x'"),
+        ({"": 1}, r"^overrides: not a dotted key; got ''"),
+        ({7: 1}, r"^overrides: not a dotted key; got 7"),
+        (["duration"], r"--set: not an assignment; got 'duration'"),
+    ],
+)
+def test_an_override_that_cannot_be_used_is_named(overrides: Any, said: str) -> None:
+    """One line with the key as it was typed and the value."""
+    with pytest.raises(SpecError, match=said):
+        load_experiment("liu2023/fig08", overrides)
 
 
 def test_a_robot_beside_the_experiment_is_found(tmp_path: Path) -> None:
