@@ -103,14 +103,12 @@ def run(
 ) -> None:
     """Fly an experiment, log it to a bag and print the verdict."""
     mode = mode or ("headless" if campaign_directory is None else "graph")
-    if mode not in MODES:
-        raise SpecError("no such mode", key="--mode", value=mode, accepted=", ".join(MODES))
-    if realtime is not None and not 1e-3 <= realtime <= 1e4:
-        raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
     from space_robot_bringup import render
     from space_robot_bringup.campaign.again import case_experiment, differences
     from space_robot_bringup.experiment import experiment_path, load_experiment, with_duration
+    from space_robot_bringup.run import check_pace
 
+    check_pace(mode, realtime)
     if campaign_directory is not None and index is not None and not (experiment or set_ or duration):
         spec, name = case_experiment(campaign_directory, index), f"{campaign_directory.resolve().name}_{index:06d}"
     elif experiment is not None and campaign_directory is None and index is None:

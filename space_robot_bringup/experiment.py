@@ -20,10 +20,11 @@ from space_robot_bringup.recorded import with_recorded_log
 from space_robot_bringup.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
 from space_robot_description.frozen import plain
-from space_robot_description.share import StrPath, is_file, shipped_or_file
+from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.spec import PerJoint, Strict, Three
 from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.paths import StrPath
 
 # Dotted key to value, or texts ``dotted.key=value`` with the value in YAML.
 Overrides = Mapping[str, Any] | Sequence[str]
@@ -225,6 +226,17 @@ def _readable(value: Any) -> Any:
             items.fa.set_flow_style()
         return items
     return LiteralScalarString(value) if isinstance(value, str) and "\n" in value else value
+
+
+def with_changes(experiment: Experiment, overrides: Overrides) -> Experiment:
+    """A loaded experiment with overrides, checked anew; see ``load_experiment``.
+
+    Raises:
+        SpecError: a key or value cannot be used.
+    """
+    if not overrides:
+        return experiment
+    return experiment_from(with_overrides(experiment.model_dump(mode="json"), overrides), "")
 
 
 def with_duration(experiment: Experiment, duration: float | None) -> Experiment:

@@ -20,6 +20,7 @@ from space_robot_msgs_py.log_arrays import LogArrays, Row, stack_ticks
 from space_robot_msgs_py.log_directory import METADATA_FILE
 from space_robot_msgs_py.log_header import LogHeader
 from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.paths import StrPath
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -53,7 +54,7 @@ class JudgedLog:
     troubles: tuple[str, ...]
 
 
-def read_judged(path: Path | str) -> JudgedLog:
+def read_judged(path: StrPath) -> JudgedLog:
     """Read a log, whole or damaged.
 
     Args:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Literal
+from typing import Literal, get_args
 
 from space_robot_bringup import closed_loop
 from space_robot_bringup.compose import Composition, compose
@@ -17,8 +17,10 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.log_writer import LogSink
+from space_robot_msgs_py.paths import StrPath
 
 Mode = Literal["headless", "graph", "processes"]
+MODES: tuple[Mode, ...] = get_args(Mode)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +63,7 @@ class RunResult:
 
 
 def run_experiment(
-    experiment: Experiment, directory: Path, *, mode: Mode, realtime: float | None = None, hooks: Hooks | None = None
+    experiment: Experiment, directory: StrPath, *, mode: Mode, realtime: float | None = None, hooks: Hooks | None = None
 ) -> RunResult:
     """Fly an experiment, log it and judge it from the log.
 
@@ -75,21 +77,39 @@ def run_experiment(
     Raises:
         SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was flown.
     """
-    if mode == "headless" and realtime is not None:
-        raise SpecError("has no wall clock", key="--realtime", value=realtime, accepted="--mode graph or processes")
+    check_pace(mode, realtime)
     return run_composition(compose(experiment), directory, mode=mode, realtime=realtime, hooks=hooks)
 
 
+def check_pace(mode: str, realtime: float | None) -> None:
+    """Refuse a mode there is not, and a pace that it cannot keep.
+
+    Raises:
+        SpecError: either cannot be used.
+    """
+    if mode not in MODES:
+        raise SpecError("no such mode", key="--mode", value=mode, accepted=", ".join(MODES))
+    if realtime is not None and not 1e-3 <= realtime <= 1e4:
+        raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
+    if mode == "headless" and realtime is not None:
+        raise SpecError("has no wall clock", key="--realtime", value=realtime, accepted="--mode graph or processes")
+
+
 def run_composition(
-    composition: Composition, directory: Path, *, mode: Mode, realtime: float | None = None, hooks: Hooks | None = None
+    composition: Composition,
+    directory: StrPath,
+    *,
+    mode: Mode,
+    realtime: float | None = None,
+    hooks: Hooks | None = None,
 ) -> RunResult:
     """Fly what an experiment was composed to; everything else as ``run_experiment``."""
-    hooks = hooks or Hooks()
+    hooks, place = hooks or Hooks(), Path(directory)
     for warning in composition.review().warnings:
         hooks.warn(warning)
     stopwatch = Stopwatch(hooks)
-    reason = _fly(composition, directory, mode, realtime, stopwatch.hooks)
-    return judge_log(directory, composition, reason, stopwatch.seconds)
+    reason = _fly(composition, place, mode, realtime, stopwatch.hooks)
+    return judge_log(place, composition, reason, stopwatch.seconds)
 
 
 class Stopwatch:

@@ -9,9 +9,8 @@ from urllib.parse import unquote
 
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import InputFileError
+from space_robot_msgs_py.paths import StrPath
 
-# What a path may be given as: text, a ``Path``, or anything that stands for one, such as a run.
-StrPath = str | os.PathLike[str]
 DATA = Path("share") / "space_robot" / "config"
 WHEEL_SCHEME = "example-robot-data:"
 

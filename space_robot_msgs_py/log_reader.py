@@ -24,6 +24,7 @@ from space_robot_msgs_py.log_directory import BAG_SUFFIX
 from space_robot_msgs_py.log_header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log_preamble import END_NAME, RECORDED, log_name
 from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, parse, parse_attachment, scan
+from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 
 _NAMES = {log_name(topic): topic.name for topic in RECORDED}
@@ -48,7 +49,7 @@ class LogReader:
         LogError: it is not a log of this project, or was cut within its header.
     """
 
-    def __init__(self, path: Path | str) -> None:
+    def __init__(self, path: StrPath) -> None:
         self.path = _bag_file(Path(path))
         self._key = str(self.path)
         self.header = self._read_header()

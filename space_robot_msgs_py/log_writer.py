@@ -15,6 +15,7 @@ from space_robot_msgs_py.log_header import LogHeader
 from space_robot_msgs_py.log_preamble import CHANNELS, END_NAME, preamble
 from space_robot_msgs_py.mcap_index import write_indexed
 from space_robot_msgs_py.mcap_records import message_bytes, metadata_bytes
+from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, TF, TF_STATIC, Topic
 from space_robot_msgs_py.transforms import FrameTransforms
 
@@ -39,8 +40,8 @@ class LogWriter:
         LogError: the directory holds something else, or cannot be written.
     """
 
-    def __init__(self, directory: Path, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
-        self.path = prepare_directory(directory)
+    def __init__(self, directory: StrPath, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
+        self.path = prepare_directory(Path(directory))
         self._custom = dict(custom or {})
         self._frames = FrameTransforms(header.urdf, header.joint_names)
         self._counts = dict.fromkeys(CHANNELS, 0)
@@ -152,7 +153,7 @@ class LogSink:
         custom: remarks for ``metadata.yaml``.
     """
 
-    def __init__(self, directory: Path, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
+    def __init__(self, directory: StrPath, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
         self._codec = TickCodec(header.joint_names)
         self.writer = LogWriter(directory, header, custom=custom)
         self.writer.write_description(header.urdf)

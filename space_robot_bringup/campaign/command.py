@@ -11,14 +11,11 @@ from rich.console import Console
 
 from space_robot_bringup.campaign.cases import make_case
 from space_robot_bringup.campaign.fly import Keep
-from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult, run_campaign
+from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult, check_options, run_campaign
 from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.compiling import notice
 from space_robot_bringup.progress import Progress
 from space_robot_bringup.stopping import StopFlag
-from space_robot_msgs_py.errors import SpecError
-
-MOST_WORKERS = 1024
 
 
 def fly(
@@ -49,10 +46,7 @@ def fly(
     Raises:
         SpaceRobotError: it cannot be flown; nothing was written.
     """
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise SpecError("not a number of workers", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
-    if workers is not None and scheduler is not None:
-        raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
+    check_options(workers, scheduler, keep)
     laws = [make_case(campaign, index).data["controller"]["law"] for index in range(campaign.points)]
     if not quiet and (line := notice(laws, plant=scheduler is None)):
         console.print(line)

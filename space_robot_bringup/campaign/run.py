@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, get_args
 
 from space_robot_bringup.campaign import journal
 from space_robot_bringup.campaign.cases import Case, check_cases, make_case
@@ -22,9 +22,10 @@ from space_robot_bringup.campaign.table import parquet
 from space_robot_bringup.compose import Composition, versions
 from space_robot_bringup.metrics import metric_names
 from space_robot_bringup.verdict import Check, check_bounds, check_expectations
-from space_robot_msgs_py.errors import SilenceError
+from space_robot_msgs_py.errors import SilenceError, SpecError
 
 TABLE, SUMMARY = "table.parquet", "summary.json"
+MOST_WORKERS = 1024
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,6 +125,20 @@ def run_campaign(
         groups = _conclude(campaign, book, metrics) if done == everything else ()
     reason = "completed" if groups else reason or hooks.stop() or "interrupted"
     return CampaignResult(directory, reason, done, everything, groups, judge_groups(campaign, groups), wall_time)
+
+
+def check_options(workers: int | None, scheduler: str | None, keep: str) -> None:
+    """Refuse what no campaign can be run with.
+
+    Raises:
+        SpecError: an option cannot be used.
+    """
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise SpecError("not a number of workers", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
+    if workers is not None and scheduler is not None:
+        raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
+    if keep not in get_args(Keep):
+        raise SpecError("no such choice", key="--keep", value=keep, accepted=", ".join(get_args(Keep)))
 
 
 def _enter(book: Journal, case: Case, outcome: Flown | Lost) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
@@ -18,6 +19,7 @@ from space_robot_description.load import load_robot
 from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.spec import Strict
 from space_robot_description.validation import parse_yaml, validate
+from space_robot_msgs_py.paths import StrPath
 
 # Keys whose value may point at a file beside the campaign file.
 POINTING = ("robot", "reference")
@@ -92,7 +94,7 @@ class Campaign(Strict):
         return Point({key: labels[key] for key in self.vary}, {key: values[key] for key in self.vary})
 
 
-def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
+def load_campaign(name_or_path: StrPath, runs: int | None = None) -> Campaign:
     """Read a campaign and resolve it: the result holds its experiment, robot included, and needs no other file.
 
     Args:
@@ -107,15 +109,15 @@ def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
     return campaign.model_copy(update={"experiment": _experiment(campaign, path), "set": {}})
 
 
-def read_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
+def read_campaign(name_or_path: StrPath, runs: int | None = None) -> Campaign:
     """The campaign as its file says it, with paths beside that file made whole; see ``load_campaign``."""
     path = campaign_path(name_or_path)
     data = parse_yaml(path)
-    campaign = validate(Campaign, data if runs is None else data | {"runs": runs}, str(name_or_path))
+    campaign = validate(Campaign, data if runs is None else data | {"runs": runs}, os.fspath(name_or_path))
     return _with_files(campaign, path.parent)
 
 
-def campaign_path(name_or_path: str) -> Path:
+def campaign_path(name_or_path: StrPath) -> Path:
     """The file of a shipped campaign, or the given path."""
     message = "no such campaign file or shipped campaign"
     return shipped_or_file(name_or_path, "campaigns", key="campaign", message=message)

@@ -13,8 +13,8 @@ from space_robot_bringup.replay.controller import replay_controller
 from space_robot_bringup.replay.outcome import Outcome
 from space_robot_bringup.replay.plant import replay_plant
 from space_robot_bringup.replay.recording import Recording, open_recording
-from space_robot_description.share import StrPath
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.paths import StrPath
 
 SIDES = {"controller": (replay_controller,), "plant": (replay_plant,), "both": (replay_controller, replay_plant)}
 

@@ -13,13 +13,13 @@ from space_robot_bringup.compose import Composition, compose, versions
 from space_robot_bringup.experiment import Overrides, experiment_from, experiment_path, located, with_overrides
 from space_robot_bringup.replay.changes import changed
 from space_robot_bringup.replay.foreign import foreign_rows
-from space_robot_description.share import StrPath
 from space_robot_description.validation import parse_yaml, parse_yaml_text
 from space_robot_msgs_py.bag import Bag
 from space_robot_msgs_py.errors import LogError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log_arrays import Row
 from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import BASE_ODOM
 
 

@@ -5,18 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-
-mpl.use("Agg")
-from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
 
 from space_robot_control.rotations import to_rpy
-from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log_reader import LogReader
 
 AXES = ("roll", "pitch", "yaw")
+LOOK: dict[str, Any] = {"figsize": (8.0, 10.0), "layout": "constrained"}
 
 
 def draw(log: Path, out: Path) -> None:
@@ -30,25 +28,44 @@ def draw(log: Path, out: Path) -> None:
         InputFileError: there is no such log.
         LogError: it holds no complete tick, or the image cannot be written.
     """
-    reader = LogReader(log)
-    arrays = reader.arrays()
-    if arrays.time.size < 2:
-        raise LogError("nothing to draw: fewer than two complete ticks", key=str(log))
-    joints = reader.header.joint_names
-    truth = arrays.plant["true_configuration"]
-    figure, panels = plt.subplots(4, 1, sharex=True, figsize=(8.0, 10.0), layout="constrained")
-    _followed(panels[0], arrays.time, _attitude(truth), _attitude(arrays.q_d), AXES, "base attitude [deg]")
-    _followed(panels[1], arrays.time, np.degrees(truth[:, 7:]), np.degrees(arrays.q_d[:, 7:]), joints, "joints [deg]")
-    _held(panels[2], arrays.time, arrays.wrench[:, 3:], [f"about {axis}" for axis in "xyz"], "base torque [N m]")
-    _held(panels[3], arrays.time, arrays.effort_command, joints, "joint effort [N m]")
-    panels[3].set_xlabel("time [s]")
+    figure = Figure(**LOOK)
+    _draw(figure, LogReader(log))
     try:
         # With a format given, matplotlib writes where it is told and appends no suffix of its own.
         figure.savefig(out, dpi=110, format=out.suffix[1:] or "png")
     except (OSError, ValueError) as error:
         raise LogError(f"the picture cannot be written: {error}", key=str(out)) from None
-    finally:
+
+
+def figure_of(log: LogReader) -> Figure:
+    """Draw a log into a new figure of pyplot, which an interactive session can show.
+
+    Raises:
+        LogError: it holds fewer than two complete ticks.
+    """
+    # Only here: pyplot decides what a window is, which nobody needs who writes a file.
+    from matplotlib import pyplot as plt
+
+    figure: Figure = plt.figure(**LOOK)
+    try:
+        _draw(figure, log)
+    except SpaceRobotError:
         plt.close(figure)
+        raise
+    return figure
+
+
+def _draw(figure: Figure, log: LogReader) -> None:
+    arrays, joints = log.arrays(), log.header.joint_names
+    if arrays.time.size < 2:
+        raise LogError("nothing to draw: fewer than two complete ticks", key=str(log.path))
+    panels = figure.subplots(4, 1, sharex=True)
+    truth = arrays.plant["true_configuration"]
+    _followed(panels[0], arrays.time, _attitude(truth), _attitude(arrays.q_d), AXES, "base attitude [deg]")
+    _followed(panels[1], arrays.time, np.degrees(truth[:, 7:]), np.degrees(arrays.q_d[:, 7:]), joints, "joints [deg]")
+    _held(panels[2], arrays.time, arrays.wrench[:, 3:], [f"about {axis}" for axis in "xyz"], "base torque [N m]")
+    _held(panels[3], arrays.time, arrays.effort_command, joints, "joint effort [N m]")
+    panels[3].set_xlabel("time [s]")
 
 
 def _attitude(q: Vector) -> Vector:

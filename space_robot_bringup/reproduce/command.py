@@ -14,13 +14,11 @@ from space_robot_bringup.compiling import notice
 from space_robot_bringup.progress import Progress
 from space_robot_bringup.reproduce.markdown import markdown
 from space_robot_bringup.reproduce.plan import Plan, choose_figures, load_plan
-from space_robot_bringup.reproduce.reproduction import FlownFigure, prepare, reproduce
+from space_robot_bringup.reproduce.reproduction import FlownFigure, check_workers, prepare, reproduce
 from space_robot_bringup.reproduce.show import show
 from space_robot_bringup.reproduce.workers import cores
 from space_robot_bringup.stopping import StopFlag
 from space_robot_msgs_py.errors import InputFileError, SpecError
-
-MOST_WORKERS = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +56,7 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     Raises:
         SpaceRobotError: something is wrong with the input; nothing was written.
     """
-    if order.workers is not None and not 1 <= order.workers <= MOST_WORKERS:
-        raise SpecError("not a usable number", key="--workers", value=order.workers, accepted=f"1 to {MOST_WORKERS}")
+    check_workers(order.workers)
     try:
         from space_robot_bringup.report.paper_figure import check_colors
         from space_robot_bringup.report.paper_report import PAGE, write_report

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -18,6 +19,7 @@ from space_robot_bringup.reproduce.spec import Manifest, RunGroup
 from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.validation import nearest, parse_yaml, validate
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.paths import StrPath
 
 LONGEST_NAME = 80
 
@@ -97,7 +99,7 @@ class Plan:
         return {run.flight.name: run.flight for run in runs}
 
 
-def load_plan(paper: str) -> Plan:
+def load_plan(paper: StrPath) -> Plan:
     """Read a manifest and expand its groups.
 
     Args:
@@ -107,18 +109,18 @@ def load_plan(paper: str) -> Plan:
         InputFileError: there is no such paper or experiment.
         SpecError: a key or value cannot be used.
     """
-    path = manifest_path(paper)
-    manifest = read_manifest(path, paper)
-    _check_pictures(manifest, paper)
+    path, name = manifest_path(paper), os.fspath(paper)
+    manifest = read_manifest(path, name)
+    _check_pictures(manifest, name)
     planner = _Planner(path.parent)
     runs = {
-        name: {
-            label: planner.expand(label, group, f"{paper} figures.{name}.runs.{label}")
+        figure_name: {
+            label: planner.expand(label, group, f"{name} figures.{figure_name}.runs.{label}")
             for label, group in figure.runs.items()
         }
-        for name, figure in manifest.figures.items()
+        for figure_name, figure in manifest.figures.items()
     }
-    return Plan(path.stem, paper, manifest, runs)
+    return Plan(path.stem, name, manifest, runs)
 
 
 def read_manifest(path: Path, where: str) -> Manifest:
@@ -130,7 +132,7 @@ def read_manifest(path: Path, where: str) -> Manifest:
     return validate(Manifest, data, where)
 
 
-def manifest_path(paper: str) -> Path:
+def manifest_path(paper: StrPath) -> Path:
     """The manifest of a shipped paper, or the given path."""
     return shipped_or_file(paper, "papers", key="paper", message="no such manifest or shipped paper")
 

@@ -15,9 +15,10 @@ from space_robot_bringup.reproduce.plan import Plan, PlannedFlight, PlannedRun
 from space_robot_bringup.reproduce.spec import KEEP_ALL_UP_TO, Figure
 from space_robot_bringup.reproduce.timing import CycleTimes, time_law
 from space_robot_bringup.reproduce.workers import Task, Workers
-from space_robot_msgs_py.errors import InputFileError, LogError
+from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
 
 RUNS, CLAIMS = "runs", "claims.json"
+MOST_WORKERS = 256
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +45,16 @@ class FlownFigure:
         return [
             (run, flight) for run, flight in self.runs if not (flight.completed or self.figure.runs[run.group].may_fail)
         ]
+
+
+def check_workers(workers: int | None) -> None:
+    """Refuse a number of worker processes that cannot be; None is one per core.
+
+    Raises:
+        SpecError: it cannot.
+    """
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise SpecError("not a usable number", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
 
 
 def prepare(plan: Plan, figures: Sequence[str], directory: Path) -> None:
