@@ -8,11 +8,17 @@ they could be computed before the flight. It never pushes the base.
 
 from pydantic import Field, PositiveFloat
 
-from space_robot_control.laws import Blocks, Law
-from space_robot_control.laws.dynamics import NominalModel
-from space_robot_control.laws.tracking import error_blocks, tracking_errors
-from space_robot_description.robot import Robot
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot import (
+    Blocks,
+    Law,
+    NominalModel,
+    Reference,
+    Robot,
+    RobotState,
+    Vector,
+    error_blocks,
+    tracking_errors,
+)
 
 
 class PdPlus(Law):

@@ -23,6 +23,10 @@ class SpaceRobotError(Exception):
         super().__init__("; ".join(" ".join(part.split()) for part in parts))
 
 
+class SpaceRobotWarning(UserWarning):
+    """Something is allowed and probably not meant, such as a run outside the bounds of its law."""
+
+
 class SpecError(SpaceRobotError, ValueError):
     """An experiment, robot or option says something that cannot be done."""
 

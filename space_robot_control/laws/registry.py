@@ -94,7 +94,7 @@ def _imported(path: str, key: str) -> type[Law]:
         accepted = f"one of {', '.join(laws)}" if laws else f"a Law in {module_name}, which has none"
         raise SpecError("no such class", key=key, value=path, accepted=accepted)
     if not (isinstance(cls, type) and issubclass(cls, Law)) or isabstract(cls):
-        accepted = "a subclass of space_robot_control.laws.Law with compute()"
+        accepted = "a subclass of space_robot.Law with compute()"
         raise SpecError("not a law", key=key, value=path, accepted=accepted)
     return cls
 

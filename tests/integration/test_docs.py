@@ -105,7 +105,7 @@ def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     for directory in {name for text in snippets for name in re.findall(r'"((?:runs|out)/[\w/]+)"', text)}:
         run_experiment(load_experiment("liu2023/fig08", ["duration=1.0"]), Path(directory), mode="headless")
     for text in snippets:
-        exec(compile(text, "docs", "exec"), {})
+        exec(compile(text, "docs", "exec"), {"__name__": "__main__"})
 
 
 def shell_lines(page: str) -> list[str]:

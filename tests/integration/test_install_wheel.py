@@ -26,7 +26,7 @@ from space_robot_bringup.graph import local_context, make_executor, reserved_dom
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("wheel")]
 
 DEADLINE = 90.0
-PACKAGES = [f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup")]
+PACKAGES = ["space_robot", *(f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup"))]
 REPLAYER = "space_robot_sim/replayer"
 FLIGHT = ["--experiment", "liu2023/fig08"]
 FIND = """
@@ -51,7 +51,7 @@ def test_the_ament_index_finds_every_package_and_executable(prefix: Path, tmp_pa
     """``ros2 pkg``, ``ros2 run`` and ``ros2 launch`` look things up there and find all of them."""
     said = _run(prefix, str(prefix / "bin" / "python"), "-c", FIND, cwd=tmp_path).stdout
     found = json.loads(said)
-    assert sorted(found["packages"]) == sorted(["space_robot", *PACKAGES])
+    assert sorted(found["packages"]) == sorted(PACKAGES)
     assert sorted(found["nodes"]) == executables()
     assert {"config", "examples", "package.xml"} <= set(found["shares"]["space_robot"])
     assert found["shares"]["space_robot_bringup"] == ["launch"]

@@ -42,6 +42,20 @@ def test_every_command_of_the_readme_runs(
         assert end.value.code in fine, f"{shlex.join(command)}: {said.err}"
 
 
+def test_the_python_of_the_readme_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Five lines: the run passes, is printed, and there is a picture of it."""
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    (snippet,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    assert len(snippet.splitlines()) == 5
+    monkeypatch.chdir(tmp_path)
+    exec(compile(snippet, "README.md", "exec"), {})
+    pyplot.close("all")
+    assert capsys.readouterr().out.startswith("True [")
+    assert (tmp_path / "fig08.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_every_link_of_the_pages_leads_somewhere() -> None:
     """Relative links and pictures of README and docs exist."""
     for page in [ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")]:

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+FACE = "space_robot"
 MSGS, DESCRIPTION, CONTROL, SIM, BRINGUP = (
-    f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup")
+    f"{FACE}_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup")
 )
 MAY_IMPORT = {
     MSGS: {MSGS},
@@ -19,6 +20,7 @@ MAY_IMPORT = {
     CONTROL: {CONTROL, DESCRIPTION, MSGS},
     SIM: {SIM, DESCRIPTION, MSGS},
     BRINGUP: {BRINGUP, SIM, CONTROL, DESCRIPTION, MSGS},
+    FACE: {BRINGUP, SIM, CONTROL, DESCRIPTION, MSGS},
 }
 ROS = ("rclpy", "domain_coordinator", "std_msgs", "std_srvs", "sensor_msgs", "nav_msgs", "geometry_msgs")
 ROS += ("trajectory_msgs", "diagnostic_msgs", "rosgraph_msgs", "builtin_interfaces", "rcl_interfaces")
@@ -53,7 +55,7 @@ def test_packages_import_only_what_the_architecture_allows(package: str) -> None
     wrong = []
     for path in files:
         for line, name in imports(path):
-            if name.startswith("space_robot_") and name not in MAY_IMPORT[package]:
+            if name.startswith(FACE) and name not in MAY_IMPORT[package]:
                 wrong.append(f"{path.name}:{line} imports {name}")
             if name in ROS and not ros_is_allowed(path):
                 wrong.append(f"{path.name}:{line} imports {name}")

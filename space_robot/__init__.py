@@ -1,0 +1,104 @@
+"""Flight software of a space robot, emulated: the public names of the project, all of them stable.
+
+    import space_robot as sr
+
+    run = sr.run("liu2023/fig08", {"controller.gains.lambda": 0.7})
+
+Nothing is loaded before it is used. Whatever is not here may move or change without notice.
+"""
+
+from typing import TYPE_CHECKING
+
+from space_robot_msgs_py.faces import lazy_face
+
+__all__ = [
+    "Blocks",
+    "campaign",
+    "Command",
+    "compare",
+    "ControlOutput",
+    "error_blocks",
+    "Experiment",
+    "Law",
+    "load_experiment",
+    "load_robot",
+    "LogHeader",
+    "LogReader",
+    "LogWriter",
+    "NominalModel",
+    "PlantSample",
+    "Reference",
+    "replay",
+    "reproduce",
+    "Robot",
+    "RobotState",
+    "Run",
+    "run",
+    "SpaceRobotError",
+    "SpaceRobotWarning",
+    "Telemetry",
+    "Tick",
+    "tracking_errors",
+    "Vector",
+    "__version__",
+]
+
+if TYPE_CHECKING:
+    from space_robot_bringup.campaign.public import campaign
+    from space_robot_bringup.compare.public import compare
+    from space_robot_bringup.experiment import Experiment, load_experiment
+    from space_robot_bringup.public.replay import replay
+    from space_robot_bringup.public.result import Run
+    from space_robot_bringup.public.run import run
+    from space_robot_bringup.reproduce.public import reproduce
+    from space_robot_control.laws.base import Blocks, Law
+    from space_robot_control.laws.dynamics import NominalModel
+    from space_robot_control.laws.tracking import error_blocks, tracking_errors
+    from space_robot_description.load import load_robot
+    from space_robot_description.robot import Robot
+    from space_robot_msgs_py.errors import SpaceRobotError, SpaceRobotWarning
+    from space_robot_msgs_py.interfaces import (
+        Command,
+        ControlOutput,
+        PlantSample,
+        Reference,
+        RobotState,
+        Telemetry,
+        Tick,
+        Vector,
+    )
+    from space_robot_msgs_py.log_header import LogHeader
+    from space_robot_msgs_py.log_reader import LogReader
+    from space_robot_msgs_py.log_writer import LogWriter
+    from space_robot_msgs_py.version import __version__
+else:
+    _MODULES = {
+        "space_robot_bringup.campaign.public": ("campaign",),
+        "space_robot_bringup.compare.public": ("compare",),
+        "space_robot_bringup.experiment": ("Experiment", "load_experiment"),
+        "space_robot_bringup.public.replay": ("replay",),
+        "space_robot_bringup.public.result": ("Run",),
+        "space_robot_bringup.public.run": ("run",),
+        "space_robot_bringup.reproduce.public": ("reproduce",),
+        "space_robot_control.laws.base": ("Blocks", "Law"),
+        "space_robot_control.laws.dynamics": ("NominalModel",),
+        "space_robot_control.laws.tracking": ("error_blocks", "tracking_errors"),
+        "space_robot_description.load": ("load_robot",),
+        "space_robot_description.robot": ("Robot",),
+        "space_robot_msgs_py.errors": ("SpaceRobotError", "SpaceRobotWarning"),
+        "space_robot_msgs_py.interfaces": (
+            "Command",
+            "ControlOutput",
+            "PlantSample",
+            "Reference",
+            "RobotState",
+            "Telemetry",
+            "Tick",
+            "Vector",
+        ),
+        "space_robot_msgs_py.log_header": ("LogHeader",),
+        "space_robot_msgs_py.log_reader": ("LogReader",),
+        "space_robot_msgs_py.log_writer": ("LogWriter",),
+        "space_robot_msgs_py.version": ("__version__",),
+    }
+    __getattr__, __dir__ = lazy_face(__name__, _MODULES)

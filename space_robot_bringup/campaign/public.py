@@ -1,0 +1,58 @@
+"""`space_robot.campaign`: a campaign file in, many runs and their statistics out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from space_robot_bringup.public.calls import for_python, needing
+from space_robot_msgs_py.paths import StrPath
+
+if TYPE_CHECKING:
+    from space_robot_bringup.campaign.run import CampaignHooks, CampaignResult
+
+
+@for_python
+def campaign(
+    file: StrPath,
+    *,
+    out: StrPath | None = None,
+    runs: int | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    resume: bool = False,
+    keep: Literal["failed", "all", "none"] = "failed",
+    hooks: CampaignHooks | None = None,
+) -> CampaignResult:
+    """Run a Monte Carlo campaign; the table does not depend on the number of workers.
+
+    Workers are processes that import the main module again: in a script, call this under
+    ``if __name__ == "__main__":``.
+
+    Args:
+        file: a shipped name such as ``fig08_dispersed``, or the path of a YAML file.
+        out: directory of rows, bags, ``table.parquet`` and ``summary.json``; None: ``runs/<name>``.
+        runs: per point of the grid; None: what the file says.
+        workers: local worker processes; None: one per core.
+        scheduler: address of a Dask scheduler instead of local workers.
+        resume: go on with what is in the directory.
+        keep: whose bags to keep.
+        hooks: progress and early end.
+
+    Returns:
+        Statistics by point of the grid, the verdict, and why the campaign ended.
+
+    Raises:
+        SpaceRobotError: the campaign cannot be run as it is, or Dask is not installed; nothing was written.
+    """
+    with needing("campaign", "campaign"):
+        from space_robot_bringup.campaign.run import check_options, run_campaign
+    from space_robot_bringup.campaign.spec import campaign_path, load_campaign
+    from space_robot_bringup.reproduce.workers import cores
+
+    check_options(workers, scheduler, keep)
+    spec = load_campaign(file, runs)
+    place = Path("runs") / campaign_path(file).stem if out is None else Path(out)
+    return run_campaign(
+        spec, place, workers=workers or cores(), scheduler=scheduler, resume=resume, keep=keep, hooks=hooks
+    )

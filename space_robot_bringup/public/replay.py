@@ -1,0 +1,50 @@
+"""`space_robot.replay`: a recorded run computed again and compared with its log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+from space_robot_bringup.experiment import Overrides
+from space_robot_bringup.public.calls import for_python
+from space_robot_bringup.replay import command
+from space_robot_bringup.replay.command import Order, Replayed
+from space_robot_bringup.replay.comparison import Tolerance
+from space_robot_msgs_py.paths import StrPath
+
+
+@for_python
+def replay(
+    log: StrPath,
+    overrides: Overrides | None = None,
+    *,
+    against: Literal["controller", "plant", "both"] = "both",
+    rtol: float = 0.0,
+    atol: float = 0.0,
+    ignore: Sequence[str] = (),
+    experiment: StrPath | None = None,
+    namespace: str = "",
+) -> Replayed:
+    """Compute a recorded run again, from its log alone, and compare every number.
+
+    Args:
+        log: a run, run directory or .mcap file; or a bag of another tool, with ``experiment``.
+        overrides: of the recorded experiment, see ``run``.
+        against: ``controller`` (recorded states in, commands out), ``plant`` (commands in, states out) or ``both``.
+        rtol: what counts as equal, relative to the largest number of a block [-]; with both zero the bits are compared.
+        atol: likewise, absolute, in the unit of the field.
+        ignore: topics, or topic/block, that are not compared.
+        experiment: name or file of what was run, for a bag without one.
+        namespace: of the topics in a bag of another tool.
+
+    Returns:
+        What is different: ``equal``, and ``outcomes`` side by side.
+
+    Raises:
+        SpaceRobotError: the log or an argument cannot be used.
+    """
+    names = (ignore,) if isinstance(ignore, str) else tuple(ignore)
+    return command.replay(
+        Path(log), Order(against, Tolerance(rtol, atol, names), overrides or (), experiment, namespace)
+    )

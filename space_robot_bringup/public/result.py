@@ -1,0 +1,117 @@
+"""A finished run as one object: verdict, metrics, arrays, table, plot and log."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from space_robot_bringup.experiment import Experiment
+from space_robot_bringup.metrics import RunMetrics
+from space_robot_bringup.public.arrays import RunArrays, run_arrays
+from space_robot_bringup.public.calls import needing
+from space_robot_bringup.run import RunResult
+from space_robot_bringup.verdict import Check
+from space_robot_msgs_py.log_reader import LogReader
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# What draws stands above this package, which must not import it: it is looked up.
+FIGURES = "space_robot.figures"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run:
+    """What ``space_robot.run`` returns. It stands for its run directory wherever a path is wanted.
+
+    Attributes:
+        experiment: what was run, with every default; immutable.
+        result: what the run left behind.
+        log: reads the log; each call reads it anew. A run directory that is temporary exists as long as this object.
+    """
+
+    experiment: Experiment
+    result: RunResult
+    log: LogReader
+
+    @property
+    def directory(self) -> Path:
+        """The run directory, a rosbag2 bag."""
+        return self.result.directory
+
+    @property
+    def reason(self) -> str:
+        """Why the run ended: ``completed``, ``interrupted``, ``terminated`` or an error."""
+        return self.result.end_reason
+
+    @property
+    def passed(self) -> bool:
+        """Every bound of the verdict holds."""
+        return self.result.passed
+
+    @property
+    def verdict(self) -> tuple[Check, ...]:
+        """Bound by bound what was wanted and what was measured; empty if no tick was completed."""
+        return self.result.checks
+
+    @property
+    def metrics(self) -> RunMetrics | None:
+        """Errors, settling and overshoot by axis, saturation, conservation; None if no tick was completed."""
+        return self.result.metrics
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The n joints in the order of every joint array."""
+        return self.log.header.joint_names
+
+    @cached_property
+    def arrays(self) -> RunArrays:
+        """Time, base, joints, reference, command and telemetry as read-only NumPy arrays, read once from the log.
+
+        ``run.arrays.joints.position`` is (K, n) in [rad or m], its columns are ``run.joint_names``; frames, shapes and
+        units of all are in ``RunArrays`` and the classes it consists of. A run that completed no tick has no rows.
+        """
+        return run_arrays(self.log.arrays(), self.joint_names)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Every number of ``arrays`` as one column, by time [s].
+
+        Returns:
+            A table of K rows with columns such as ``base.position.x``, ``joints.position.joint1``,
+            ``reference.base.quaternion.w``, ``command.effort.joint1`` and ``telemetry.controller.attitude_error.0``.
+
+        Raises:
+            SpecError: pandas is not installed.
+        """
+        with needing("to_pandas", "pandas"):
+            import pandas as pd
+        index = pd.Index(self.arrays.time, name="time")
+        return pd.DataFrame(dict(self.arrays.columns()), index=index)
+
+    def plot(self) -> Any:
+        """Draw attitude and joints beside what was desired, and the torques it took.
+
+        Returns:
+            A ``matplotlib.figure.Figure`` of pyplot: save it, change it, or show it with ``pyplot.show()``.
+
+        Raises:
+            SpecError: matplotlib is not installed.
+            LogError: there are fewer than two complete ticks.
+        """
+        (figure,) = entry_points(group=FIGURES, name="run")
+        with needing("plot", "viz"):
+            draw = figure.load()
+        return draw(self.log)
+
+    def __fspath__(self) -> str:
+        """The run directory, so that ``replay(run)`` and ``Path(run)`` work."""
+        return str(self.directory)
+
+    def __repr__(self) -> str:
+        word = "PASS" if self.passed else "FAIL"
+        ticks = self.metrics.ticks if self.metrics else 0
+        title = self.experiment.title or self.experiment.controller.law
+        return f"<Run {title!r}: {word} ({self.reason}), {ticks} ticks, {self.directory}>"

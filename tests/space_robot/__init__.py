@@ -1,0 +1,1 @@
+"""Tests of what `import space_robot` hands out."""

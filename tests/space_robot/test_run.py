@@ -1,0 +1,300 @@
+"""`space_robot.run` and what it returns: the run of the command line, as an object."""
+
+from __future__ import annotations
+
+import gc
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import space_robot as sr
+from space_robot_bringup.cli import main
+from space_robot_bringup.experiment import experiment_path
+from space_robot_msgs_py import InputFileError, SpecError
+
+NAME, CHANGES = "liu2023/fig08", {"duration": 2.0, "controller.gains.lambda": 0.7}
+TEXTS = ["duration=2.0", "controller.gains.lambda=0.7"]
+
+
+@pytest.fixture(scope="module")
+def run() -> sr.Run:
+    """A short run."""
+    return sr.run(NAME, CHANGES)
+
+
+def bits(run: sr.Run) -> bytes:
+    """What is in its log."""
+    return run.log.path.read_bytes()
+
+
+def arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:
+    """Every array of a run's arrays."""
+    if isinstance(value, np.ndarray):
+        yield value
+    parts = [getattr(value, one.name) for one in fields(value)] if is_dataclass(value) else []
+    for part in value.values() if hasattr(value, "values") else parts:
+        yield from arrays(part)
+
+
+@pytest.mark.parametrize(
+    "again",
+    [
+        lambda: sr.run(NAME, TEXTS),
+        lambda: sr.run(NAME, {"controller.gains.lambda": np.float32(0.7).item()} | CHANGES, mode="headless"),
+        lambda: sr.run(NAME, TEXTS[1:], duration=2.0),
+        lambda: sr.run(experiment_path(NAME), CHANGES),
+        lambda: sr.run(str(experiment_path(NAME)), CHANGES),
+        lambda: sr.run(sr.load_experiment(NAME), CHANGES),
+        lambda: sr.run(sr.load_experiment(NAME, CHANGES)),
+        lambda: sr.run(sr.load_experiment(experiment_path(NAME), TEXTS), duration=2.0),
+    ],
+)
+def test_every_way_to_say_an_experiment_gives_the_same_bits(run: sr.Run, again: Callable[[], sr.Run]) -> None:
+    """Name, text, Path or a loaded experiment; mapping, texts or arguments: the log is the same file."""
+    assert bits(again()) == bits(run)
+
+
+def test_it_is_the_run_of_the_command_line(run: sr.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """``space-robot run`` with the same options writes the same log."""
+    settings = [word for text in TEXTS for word in ("--set", text)]
+    monkeypatch.setattr(sys, "argv", ["space-robot", "run", NAME, "--out", str(tmp_path / "cli"), *settings])
+    with pytest.raises(SystemExit):
+        main()
+    assert sr.LogReader(tmp_path / "cli").path.read_bytes() == bits(run)
+
+
+def test_the_graph_gives_the_same_bits(run: sr.Run, tmp_path: Path) -> None:
+    """The mode changes no bit of the log."""
+    pytest.importorskip("rclpy")
+    assert bits(sr.run(NAME, CHANGES, mode="graph", out=tmp_path / "graph")) == bits(run)
+
+
+def test_a_run_says_how_it_went(run: sr.Run) -> None:
+    """Reason, verdict and metrics are those of the log; two seconds are too short to settle."""
+    assert (run.reason, run.passed) == ("completed", False)
+    assert run.reason == run.log.end_reason
+    assert run.metrics is not None
+    assert run.metrics.ticks == 9
+    assert [check.name for check in run.verdict][:2] == ["completed", "momentum_residual"]
+    assert run.passed == all(check.passed for check in run.verdict)
+    assert run.joint_names == ("joint1", "joint2", "joint3", "joint4")
+    assert run.experiment.controller.gains["lambda"] == 0.7
+    assert repr(run).startswith("<Run 'Orientation")
+    assert "FAIL (completed), 9 ticks" in repr(run)
+
+
+def test_the_arrays_are_those_of_the_log(run: sr.Run) -> None:
+    """Each array is the part of the log's that its name says, in the order of the ticks."""
+    log, named, last = run.log.arrays(), run.arrays, [*run.log.ticks()][-1]
+    q, v = last.sample.state.q, last.sample.state.v
+    pairs = [
+        (named.time, log.stamp / 1e9),
+        (np.hstack([named.base.position, named.base.quaternion, named.joints.position]), log.q),
+        (np.hstack([named.base.linear_velocity, named.base.angular_velocity, named.joints.velocity]), log.v),
+        (named.joints.effort, log.effort),
+        (named.base.acceleration, log.base_acceleration),
+        (np.hstack([named.command.force, named.command.torque]), log.wrench),
+        (named.command.effort, log.effort_command),
+        (named.base.quaternion[-1], q[3:7]),
+        (named.joints.velocity[-1], v[6:]),
+    ]
+    desired, joints = named.reference.base, named.reference.joints
+    pairs += [
+        (np.hstack([desired.position, desired.quaternion, joints.position]), log.q_d),
+        (np.hstack([desired.linear_velocity, desired.angular_velocity, joints.velocity]), log.v_d),
+        (np.hstack([desired.linear_acceleration, desired.angular_acceleration, joints.acceleration]), log.a_d),
+        (named.reference.joints.position[-1], last.reference.q[7:]),
+    ]
+    for mine, wanted in pairs:
+        np.testing.assert_array_equal(mine, wanted)
+    assert named.telemetry.controller.keys() == log.controller.keys()
+    np.testing.assert_array_equal(named.telemetry.plant["true_configuration"], log.plant["true_configuration"])
+
+
+def test_arrays_cannot_be_changed(run: sr.Run) -> None:
+    """Every array is read-only, and so is every mapping of arrays; they are read from the log once."""
+    found = list(arrays(run.arrays))
+    assert len(found) > 20
+    assert not any(array.flags.writeable for array in found)
+    with pytest.raises(ValueError, match="read-only"):
+        run.arrays.base.position[0, 0] = 1.0
+    with pytest.raises(TypeError):
+        run.arrays.telemetry.plant["true_configuration"] = np.zeros(1)  # type: ignore[index]
+    with pytest.raises(AttributeError):
+        run.arrays.time = np.zeros(1)  # type: ignore[misc]
+    assert run.arrays is run.arrays
+
+
+def test_a_table_has_every_number_once(run: sr.Run) -> None:
+    """One row per tick, by time, and one column per number, under its name and with its bits."""
+    pytest.importorskip("pandas")
+    table = run.to_pandas()
+    assert table.shape == (9, sum(array.shape[1] for array in arrays(run.arrays) if array.ndim == 2))
+    assert table.columns.is_unique
+    assert table.index.name == "time"
+    named = {
+        "base.position.x": run.arrays.base.position[:, 0],
+        "base.quaternion.w": run.arrays.base.quaternion[:, 3],
+        "joints.position.joint2": run.arrays.joints.position[:, 1],
+        "reference.base.angular_acceleration.z": run.arrays.reference.base.angular_acceleration[:, 2],
+        "reference.joints.velocity.joint4": run.arrays.reference.joints.velocity[:, 3],
+        "command.torque.y": run.arrays.command.torque[:, 1],
+        "command.effort.joint3": run.arrays.command.effort[:, 2],
+        "telemetry.controller.joint_error.0": run.arrays.telemetry.controller["joint_error"][:, 0],
+        "telemetry.plant.energy_residual": run.arrays.telemetry.plant["energy_residual"][:, 0],
+    }
+    for column, wanted in named.items():
+        np.testing.assert_array_equal(table[column].to_numpy(), wanted)
+    np.testing.assert_array_equal(table.index.to_numpy(), run.arrays.time)
+
+
+def test_a_plot_shows_what_is_in_the_arrays(run: sr.Run) -> None:
+    """Four panels over time: attitude, joints, torques, efforts; the joints are those of the run, in degrees."""
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    figure = run.plot()
+    try:
+        assert len(figure.axes) == 4
+        names = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
+        assert names == [*run.joint_names]
+        shown = figure.axes[3].lines[1].get_ydata()
+        np.testing.assert_array_equal(shown, run.arrays.command.effort[:, 1])
+        assert pyplot.fignum_exists(figure.number)
+    finally:
+        pyplot.close(figure)
+
+
+@pytest.mark.parametrize(
+    ("module", "call", "extra"),
+    [
+        ("pandas", lambda run: run.to_pandas(), r"to_pandas needs more packages .*space-robot\[pandas\]"),
+        ("matplotlib.figure", lambda run: run.plot(), r"plot needs more packages .*space-robot\[viz\]"),
+    ],
+)
+def test_a_missing_package_names_its_extra(
+    run: sr.Run, monkeypatch: pytest.MonkeyPatch, module: str, call: Callable[[sr.Run], object], extra: str
+) -> None:
+    """What needs more than the installation has says what to install."""
+    (figure,) = entry_points(group="space_robot.figures", name="run")
+    monkeypatch.delitem(sys.modules, figure.module, raising=False)
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(SpecError, match=extra):
+        call(run)
+
+
+def test_a_run_is_a_path(run: sr.Run) -> None:
+    """Wherever a run directory is wanted, the run itself will do."""
+    assert Path(run) == run.directory
+    assert sr.replay(run).equal
+    assert sr.LogReader(run).header == run.log.header
+
+
+def test_a_replay_with_an_override_is_not_equal(run: sr.Run) -> None:
+    """Another gain gives other commands; recorded states and a plant of their own stay as they are."""
+    done = sr.replay(str(run.directory), {"controller.gains.lambda": 0.8})
+    assert [outcome.equal for outcome in done.outcomes] == [False, True]
+    assert sr.replay(run.directory, TEXTS[1:], against="controller").equal
+    assert sr.replay(run, {"controller.gains.lambda": 0.8}, atol=10.0, ignore="controller/telemetry").equal
+
+
+def test_a_temporary_log_lives_as_long_as_it_is_read() -> None:
+    """Without ``out`` the directory is there while the run or its log is, and gone afterwards."""
+    one = sr.run(NAME, CHANGES)
+    directory, log = one.directory, one.log
+    del one
+    gc.collect()
+    assert len([*log.ticks()]) == 9
+    del log
+    gc.collect()
+    assert not directory.exists()
+
+
+def test_a_log_stays_where_it_was_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A relative ``out`` is a place, also after the working directory has changed; a later run replaces it."""
+    monkeypatch.chdir(tmp_path)
+    first = sr.run(NAME, CHANGES, out="runs/one")
+    second = sr.run(NAME, CHANGES | {"seed": 5}, out=Path("runs") / "one")
+    monkeypatch.chdir("/")
+    assert first.directory == second.directory == tmp_path / "runs" / "one"
+    assert second.log.header.seed == 5
+    del first, second
+    gc.collect()
+    assert (tmp_path / "runs" / "one" / "one_0.mcap").is_file()
+
+
+def test_a_run_that_ends_early_is_a_result(tmp_path: Path) -> None:
+    """A law that gives up ends the run with its reason; what was completed until then can be read."""
+    ended = sr.run(NAME, {"controller.law": "tests.laws:GivesUp"})
+    assert ended.reason.startswith("controller: gives_up: patience: enough")
+    assert not ended.passed
+    assert len(ended.arrays.time) == 2
+    (tmp_path / "never.py").write_text(_NEVER, encoding="utf-8")
+    never = sr.run(NAME, {"controller.law": f"{tmp_path}/never.py:Never"})
+    assert (never.metrics, never.verdict, never.passed) == (None, (), False)
+    assert never.arrays.joints.position.shape == (0, 4)
+    with pytest.raises(sr.SpaceRobotError, match="nothing to draw"):
+        never.plot()
+
+
+def test_a_run_that_cannot_begin_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bad input, and a law with a bug, leave no temporary directory behind."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with pytest.raises(SpecError, match=r"controller\.gains\.lamda: unknown key"):
+        sr.run(NAME, {"controller.gains.lamda": 0.7})
+    with pytest.raises(KeyError, match="a typo"):
+        sr.run(NAME, {"controller.law": "tests.laws:Buggy"})
+    assert [*tmp_path.iterdir()] == []
+
+
+REFUSED: list[tuple[Callable[[], object], type[Exception], str]] = [
+    (lambda: sr.run(NAME, mode="grap"), SpecError, r"^mode: no such mode; got 'grap'; accepted: headless"),  # type: ignore[arg-type]
+    (lambda: sr.run(NAME, realtime=2.0), SpecError, r"^realtime: has no wall clock; got 2\.0; accepted: mode graph"),
+    (lambda: sr.run(NAME, mode="graph", realtime=float("nan")), SpecError, r"^realtime: not a usable factor; got nan"),
+    (lambda: sr.run(NAME, duration=-1.0), SpecError, r"^duration: not accepted; got -1\.0"),
+    (lambda: sr.run(NAME, ["duration"]), SpecError, r"^overrides: not an assignment; got 'duration'"),
+    (lambda: sr.run(NAME, {"contol_period": 1}), SpecError, r"contol_period: unknown key; .*control_period"),
+    (lambda: sr.run(sr.load_experiment(NAME), {"contol_period": 1}), SpecError, r"^contol_period: unknown key"),
+    (lambda: sr.run("liu2023/fig80"), InputFileError, r"^experiment: no such .*; got 'liu2023/fig80'; .*liu2023/fig08"),
+    (lambda: sr.run(NAME, out="/proc/no/run"), sr.SpaceRobotError, r"/proc/no/run"),
+    (lambda: sr.replay("/nowhere"), InputFileError, r"/nowhere"),
+    (lambda: sr.replay("/nowhere", against="all"), SpecError, r"^against: no such side; got 'all'"),  # type: ignore[arg-type]
+    (lambda: sr.replay("/nowhere", rtol=-1.0), SpecError, r"^rtol: not a tolerance; got -1\.0"),
+    (lambda: sr.replay("/nowhere", ignore=["x"]), SpecError, r"^ignore: no such topic; got 'x'"),
+]
+
+
+@pytest.mark.parametrize(("call", "kind", "said"), REFUSED)
+def test_bad_arguments_are_named_as_typed(call: Callable[[], object], kind: type[Exception], said: str) -> None:
+    """One line with the argument, the value and what is accepted; never an option of the command line."""
+    with pytest.raises(kind, match=said) as caught:
+        call()
+    assert "--" not in str(caught.value)
+
+
+def test_a_law_warns_of_a_run_outside_its_bounds() -> None:
+    """What the command line prints is a Python warning that points at the caller, and the run goes on."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        run = sr.run(NAME, {"controller.gains.lambda": 7.9, "duration": 0.5})
+    assert [warning.category for warning in caught] == [sr.SpaceRobotWarning]
+    assert caught[0].filename == __file__
+    assert run.metrics is not None
+
+
+_NEVER = """
+from space_robot import Law
+from space_robot_msgs_py import ControlError
+
+class Never(Law):
+    name = "never"
+
+    def compute(self, state, reference):
+        raise ControlError("no", key="patience")
+"""
