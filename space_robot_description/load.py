@@ -10,6 +10,7 @@ import numpy as np
 
 from space_robot_description.actuation import check_actuators
 from space_robot_description.compose import compose_urdf
+from space_robot_description.frozen import frozen
 from space_robot_description.model import JointRow, build_model, end_of_arm
 from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import RobotSpec
@@ -130,8 +131,8 @@ def _tool(spec: RobotSpec, tree: Tree) -> str:
     return spec.tool
 
 
-def _resolved(spec: RobotSpec, urdf: str, actuators: Actuators) -> dict[str, Any]:
+def _resolved(spec: RobotSpec, urdf: str, actuators: Actuators) -> Mapping[str, Any]:
     """The file whose URDF holds base, locks and limits, so that nothing else is needed to make the robot again."""
     done: dict[str, Any] = {"urdf": urdf, "base": None, "locked_joints": {}, "joint_limits": {}, "actuators": actuators}
-    dumped: dict[str, Any] = spec.model_copy(update=done).model_dump(mode="json")
+    dumped: Mapping[str, Any] = frozen(spec.model_copy(update=done).model_dump(mode="json"))
     return dumped

@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from space_robot_bringup.campaign.spec import load_campaign
 from space_robot_bringup.experiment import Experiment, experiment_from, load_experiment, to_yaml
 from space_robot_description.frozen import FrozenDict, FrozenList, frozen, plain
+from space_robot_description.load import load_robot
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
@@ -125,6 +126,13 @@ def test_the_resolved_text_is_that_of_the_golden_logs(log: Path) -> None:
     """An experiment out of a log resolves to the text in the log, byte for byte."""
     text = LogReader(log).header.experiment
     assert to_yaml(experiment_from(parse_yaml_text(text, "log"), "log")) == text
+
+
+def test_the_content_of_a_robot_cannot_be_changed() -> None:
+    """The resolved robot file in a robot, from which a log makes it again, is read-only; its text is as before."""
+    robot = load_robot("mini")
+    assert all(isinstance(one, FrozenDict | FrozenList) for one in containers(robot.resolved))
+    assert load_robot(robot.resolved).resolved == load_robot(plain(robot.resolved)).resolved == robot.resolved
 
 
 def test_plain_undoes_frozen() -> None:
