@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from space_robot_bringup.public.run import run
     from space_robot_control.laws.base import Blocks, Law
     from space_robot_control.nominal_model import NominalModel
-    from space_robot_control.tracking_errors import error_blocks, tracking_errors
+    from space_robot_control.tracking import error_blocks, tracking_errors
     from space_robot_description.load import load_robot
     from space_robot_description.robot import Robot
     from space_robot_msgs_py.errors import SpaceRobotError, SpaceRobotWarning
@@ -82,7 +82,7 @@ else:
         "space_robot_studies.reproduce.public": ("reproduce",),
         "space_robot_control.laws.base": ("Blocks", "Law"),
         "space_robot_control.nominal_model": ("NominalModel",),
-        "space_robot_control.tracking_errors": ("error_blocks", "tracking_errors"),
+        "space_robot_control.tracking": ("error_blocks", "tracking_errors"),
         "space_robot_description.load": ("load_robot",),
         "space_robot_description.robot": ("Robot",),
         "space_robot_msgs_py.errors": ("SpaceRobotError", "SpaceRobotWarning"),

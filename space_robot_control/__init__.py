@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from space_robot_control.nominal_model import NominalModel
     from space_robot_control.references.make import make_reference
     from space_robot_control.references.spec import ReferenceSpec
-    from space_robot_control.tracking_errors import TrackingErrors, error_blocks, tracking_errors
+    from space_robot_control.tracking import TrackingErrors, error_blocks, tracking_errors
 else:
     _MODULES = {
         "space_robot_control.laws.base": ("Blocks", "Law", "Review"),
         "space_robot_control.nominal_model": ("NominalModel",),
         "space_robot_control.laws.registry": ("law_class", "law_names", "make_law"),
-        "space_robot_control.tracking_errors": ("TrackingErrors", "error_blocks", "tracking_errors"),
+        "space_robot_control.tracking": ("TrackingErrors", "error_blocks", "tracking_errors"),
         "space_robot_control.references.make": ("make_reference",),
         "space_robot_control.references.spec": ("ReferenceSpec",),
     }

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.tracking_errors import TrackingErrors
+from space_robot_control.tracking import TrackingErrors
 from space_robot_description.report import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest

@@ -7,7 +7,7 @@ from pydantic import Field, NonNegativeInt, PositiveFloat
 
 from space_robot_control.channels import BASE, ChannelErrors, Channels
 from space_robot_control.gated_filter import GatedFilter
-from space_robot_control.tracking_errors import tracking_errors
+from space_robot_control.tracking import tracking_errors
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 

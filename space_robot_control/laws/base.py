@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.laws.tunable import Tunable
-from space_robot_control.tracking_errors import prepare
+from space_robot_control.tracking import prepare
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import CommandError, ControlError, NonFiniteError, SpecError

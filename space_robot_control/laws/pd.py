@@ -12,7 +12,7 @@ from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.sampled_stability import stability_margin
 from space_robot_control.sensing import FilterSpec, Sensing
-from space_robot_control.tracking_errors import error_blocks, tracking_errors
+from space_robot_control.tracking import error_blocks, tracking_errors
 from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand

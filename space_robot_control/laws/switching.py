@@ -8,7 +8,7 @@ import numpy as np
 
 from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_control.laws.tunable import GAINS
-from space_robot_control.tracking_errors import error_blocks, tracking_errors
+from space_robot_control.tracking import error_blocks, tracking_errors
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError

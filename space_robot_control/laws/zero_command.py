@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from space_robot_control.laws.base import Blocks, Law
-from space_robot_control.tracking_errors import error_blocks, tracking_errors
+from space_robot_control.tracking import error_blocks, tracking_errors
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 

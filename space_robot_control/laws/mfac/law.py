@@ -17,7 +17,7 @@ from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
 from space_robot_control.laws.mfac.tuning import Tuning, adjusted, review, tuning
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.sensing import Sensing
-from space_robot_control.tracking_errors import error_blocks, tracking_errors
+from space_robot_control.tracking import error_blocks, tracking_errors
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
