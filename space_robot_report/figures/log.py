@@ -11,7 +11,7 @@ import numpy as np
 mpl.use("Agg")
 from matplotlib import pyplot as plt
 
-from space_robot_control.rotations import to_rpy
+from space_robot_description.rotations import to_rpy
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.reader import LogReader

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import copysign, cos, pi, remainder, sin, tau
 
-from space_robot_control.rotations import Floats, Three, to_rpy
+from space_robot_description.rotations import Floats, Three, to_rpy
 
 # [-]: at a |cos pitch| below this, roll and yaw are not told apart by a quaternion of doubles.
 LOCKED = 1e-7

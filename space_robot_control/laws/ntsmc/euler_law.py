@@ -11,9 +11,9 @@ from pydantic import Field, PositiveFloat
 from space_robot_control.laws.ntsmc.angle_branch import AngleBranch, euler_rates, wrapped
 from space_robot_control.laws.ntsmc.gains import SlidingGains
 from space_robot_control.laws.ntsmc.terminal_sliding import TerminalSliding
-from space_robot_control.rotations import Three, rpy_rates
 from space_robot_control.tracking_errors import TrackingErrors
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import Three, rpy_rates
 from space_robot_description.spec import Three as ThreeNumbers
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 

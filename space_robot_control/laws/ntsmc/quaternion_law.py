@@ -7,10 +7,10 @@ import numpy as np
 from space_robot_control.laws.ntsmc.gains import SlidingGains
 from space_robot_control.laws.ntsmc.kernel.terminal import turn
 from space_robot_control.laws.ntsmc.terminal_sliding import TerminalSliding
-from space_robot_control.rotations import Three, rotate_inverse
 from space_robot_control.tracking_errors import TrackingErrors
 from space_robot_description.kernel.jit import ready
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import Three, rotate_inverse
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 

@@ -18,11 +18,11 @@ from space_robot_control.laws.ntsmc.kernel.terminal import DESIRED, accelerate, 
 from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode
 from space_robot_control.laws.ntsmc.sliding_review import review_loop_gain
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.rotations import cross
 from space_robot_control.tracking_errors import TrackingErrors, error_blocks, tracking_errors
 from space_robot_description.kernel.cache import cached
 from space_robot_description.kernel.jit import ready
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import cross
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
 

@@ -10,7 +10,8 @@ from space_robot_control.laws.adaptive.kernel.regressor import slotine_li
 from space_robot_control.laws.adaptive.kernel.tree import ROOT, TURN, Tree
 from space_robot_control.laws.adaptive.kernel.workspace import ACCELEROMETER, MODEL, Desk, Held, Rule
 from space_robot_description.kernel.jit import inner, kernel
-from space_robot_description.kernel.spatial import Vec, add, cross, get9, mul, rotation, scaled, sub
+from space_robot_description.kernel.quaternion import attitude, matrix
+from space_robot_description.kernel.spatial import Vec, add, cross, get9, mul, scaled, sub
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -52,7 +53,7 @@ def middle(
         desk.ddx_r[i] = (dx[i] - held.dx[i]) / rule.period
     if rule.source == ACCELEROMETER:
         read = (acceleration[0], acceleration[1], acceleration[2])
-        desk.ddx_r[0], desk.ddx_r[1], desk.ddx_r[2] = mul(rotation(q[3], q[4], q[5], q[6]), read)
+        desk.ddx_r[0], desk.ddx_r[1], desk.ddx_r[2] = mul(matrix(attitude(q)), read)
     elif rule.source == MODEL:
         desk.ddx_r[0], desk.ddx_r[1], desk.ddx_r[2] = 0.0, 0.0, 0.0
     falls = rule.source == MODEL

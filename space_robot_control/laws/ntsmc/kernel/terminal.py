@@ -5,9 +5,9 @@ The words are those of ``laws.terminal_sliding`` and ``laws.ntsmc``: [Giordano a
 
 from __future__ import annotations
 
-from space_robot_control.kernel.quaternion import attitude, put, rotate, rotate_inverse, three
 from space_robot_control.laws.ntsmc.kernel.sliding import EQUIVALENT, REACHING
 from space_robot_description.kernel.jit import kernel
+from space_robot_description.kernel.quaternion import attitude, put, rotate, rotate_inverse, three
 from space_robot_description.kernel.spatial import add, cross, scaled, sub
 from space_robot_msgs_py.interfaces import Vector
 

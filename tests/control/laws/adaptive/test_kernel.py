@@ -21,10 +21,10 @@ from space_robot_control.laws.adaptive.kernel.workspace import Held
 from space_robot_control.laws.adaptive.law import Adaptive
 from space_robot_control.laws.adaptive.regressor import Regressor
 from space_robot_control.laws.computed_torque import ComputedTorque
-from space_robot_control.rotations import from_rpy, rotate, rotate_inverse
 from space_robot_description.kernel import jit
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import from_rpy, rotate, rotate_inverse
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from tests.support.paths import ROOT
 from tests.support.robots import random_model, robot_of

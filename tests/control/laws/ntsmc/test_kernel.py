@@ -8,9 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from space_robot_control import rotations as rot
 from space_robot_control.laws import make_law
 from space_robot_control.tracking_errors import tracking_errors
+from space_robot_description import rotations as rot
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.interfaces import Reference, RobotState
 from tests.support.paths import ROOT

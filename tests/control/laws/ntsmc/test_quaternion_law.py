@@ -8,12 +8,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from space_robot_control import rotations as rot
 from space_robot_control.laws import make_law
 from space_robot_control.laws.ntsmc.kernel.terminal import E_DOT, E
 from space_robot_control.laws.ntsmc.quaternion_law import Ntsmc
 from space_robot_control.references import make_reference
 from space_robot_control.tracking_errors import tracking_errors
+from space_robot_description import rotations as rot
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
