@@ -1,4 +1,4 @@
-"""How far the desired body is from the actual one; the words are those of ``laws.tracking``."""
+"""Tracking errors; the symbols are those of ``TrackingErrors``."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from tests.support.robots import random_state
 WITHOUT_NUMBA = """
 import sys
 sys.modules["numba"] = None
-from tests.unit.test_kernel_sliding import commands
+from tests.control.laws.ntsmc.test_kernel import commands
 print(*(number.hex() for number in commands()))
 """
 
