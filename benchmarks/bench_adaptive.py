@@ -18,11 +18,11 @@ from space_robot_control.laws.adaptive.kernel.regressor import slotine_li
 from space_robot_control.laws.adaptive.kernel.tree import places, tree_of
 from space_robot_control.laws.adaptive.law import Adaptive
 from space_robot_control.laws.adaptive.regressor import Regressor
-from space_robot_control.laws.computed_torque import ComputedTorque
-from space_robot_control.rotations import from_rpy
+from space_robot_control.laws.computed_torque.law import ComputedTorque
 from space_robot_description.kernel.jit import bound
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, RobotState, Vector
 from tests.support.robots import arm_model, robot_of
 

@@ -1,4 +1,4 @@
-"""Which degrees of freedom a law that knows no model pushes, and how they answer: outputs, inputs, limits, response."""
+"""Degrees of freedom of a law without a model, by name: outputs, inputs, limits and nominal response."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ BASE = ("x", "y", "z", "roll", "pitch", "yaw")
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ChannelErrors:
-    """What the channels show at one stamp, desired minus actual.
+    """Outputs of the channels at one stamp, desired minus actual.
 
     Attributes:
         error: (m,) position R^T (p_d - p) [m], attitude 2 epsilon of the error quaternion [rad], joints [rad or m].
         rate: (m,) error of the velocity [m/s, rad/s].
-        asked: (m,) desired velocity, in the actual body frame [m/s, rad/s].
+        velocity: (m,) desired velocity, in the actual body frame [m/s, rad/s].
     """
 
     error: Vector
     rate: Vector
-    asked: Vector
+    velocity: Vector
 
 
 class Channels:
@@ -38,24 +38,24 @@ class Channels:
 
     Args:
         robot: the NOMINAL robot.
-        outputs: names in any order; empty: all that the robot can push and that are not held.
+        outputs: names in any order; empty: all actuated ones that are not held.
         held: joints that are taken as rigid, by name: a grasp, a locked joint.
 
     Raises:
-        SpecError: a name the robot does not have or cannot push, twice, or held and controlled at once.
+        SpecError: a name the robot does not have or does not actuate, twice, or held and controlled at once.
     """
 
     def __init__(self, robot: Robot, outputs: Sequence[str] = (), held: Sequence[str] = ()) -> None:
         names, floating = [*BASE, *robot.joint_names], robot.base_mode == "free_floating"
-        pushed = names[3:] if floating else names
-        for key, given, accepted in (("held", held, robot.joint_names), ("outputs", outputs, pushed)):
+        actuated = names[3:] if floating else names
+        for key, given, accepted in (("held", held, robot.joint_names), ("outputs", outputs, actuated)):
             for name in given:
                 if name not in accepted:
                     hint = nearest(name, accepted) or ", ".join(accepted)
                     raise SpecError("cannot be used", key=f"controller.gains.{key}", value=name, accepted=hint)
         if len(set(outputs) | set(held)) != len(outputs) + len(held):
             raise SpecError("a name twice", key="controller.gains.outputs, held", value=[*outputs, *held])
-        self.names = tuple(outputs) or tuple(name for name in pushed if name not in held)
+        self.names = tuple(outputs) or tuple(name for name in actuated if name not in held)
         self.index = np.array([names.index(name) for name in self.names])
         self._free = np.array([i for i, name in enumerate(names) if name not in held])
         self._robot = robot
@@ -76,13 +76,13 @@ class Channels:
         """Return the outputs of a state from its tracking errors."""
         configuration = np.array(errors.configuration)
         configuration[3:6] = 2.0 * errors.quaternion[:3]
-        asked = errors.velocity + state.v
-        return ChannelErrors(configuration[self.index], errors.velocity[self.index], asked[self.index])
+        desired = errors.velocity + state.v
+        return ChannelErrors(configuration[self.index], errors.velocity[self.index], desired[self.index])
 
     def response(self, model: NominalModel, q: Vector) -> Vector:
         """Return the (m, m) accelerations of the outputs per unit of input at rest, B [1/kg, 1/(kg m2)].
 
-        Held joints do not move, all others that no input pushes move freely: a free-floating base, for one.
+        Held joints do not move; all others without an input move freely, a free-floating base for one.
 
         Args:
             model: the nominal model.

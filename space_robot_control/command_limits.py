@@ -1,4 +1,4 @@
-"""What the nominal actuators can give, and two ways to fit a command into it."""
+"""Limits of the nominal actuators, and two ways to bring a command within them."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ class CommandLimits:
         out = np.clip(u, -self._limit, self._limit)
         if self._share.size:
             torque = self._axes @ np.clip(self._share @ out[3:6], -self._wheel_limit, self._wheel_limit)
-            # More than three wheels share the clipped torque anew, and one may again be asked for too much.
-            most = float(np.abs(self._share @ torque).max())
-            out[3:6] = torque if most <= self._wheel_limit else torque * (self._wheel_limit / most)
+            # More than three wheels share the clipped torque again, and one may again be beyond its limit.
+            largest = float(np.abs(self._share @ torque).max())
+            out[3:6] = torque if largest <= self._wheel_limit else torque * (self._wheel_limit / largest)
         return out
 
     def direction_preserving(self, u: Vector, bias: Vector) -> Vector:

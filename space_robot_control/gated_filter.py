@@ -13,15 +13,15 @@ class GatedFilter:
     """Alpha-beta filter per channel; a sample that cannot be true is replaced by the prediction.
 
     The prediction is value + T rate. A sample is refused if it is not finite, or further from the prediction than the
-    gate; after ``patience`` refusals in a row the next finite sample is believed as it is, and the rate starts from
-    zero, because then the prediction is what is wrong. The gains place both poles of the filter at exp(-bandwidth T)
+    gate; after ``patience`` refusals in a row the next finite sample is accepted as it is, and the rate starts from
+    zero, because then the prediction is wrong. The gains place both poles of the filter at exp(-bandwidth T)
     (critically damped g-h filter): g = 1 - p^2, h = (1 - p)^2.
 
     Args:
         period: T [s].
         bandwidth: of the filter [rad/s].
         gate: (m,) largest credible distance from the prediction, in the units of the samples; may be infinite.
-        patience: refusals in a row before a channel starts anew.
+        patience: refusals in a row before a channel restarts.
 
     Attributes:
         value: (m,) filtered.
@@ -40,7 +40,7 @@ class GatedFilter:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the past; the next finite sample is believed."""
+        """Forget the past; the next finite sample is accepted."""
         m = self._gate.size
         self.value, self.rate, self.sample = np.zeros(m), np.zeros(m), np.zeros(m)
         self.refused, self._in_a_row = np.zeros(m), np.full(m, np.inf)
@@ -56,12 +56,12 @@ class GatedFilter:
         predicted = self.value + self._period * self.rate + (0.0 if jump is None else jump)
         finite = np.isfinite(sample)
         innovation = np.where(finite, sample, predicted) - predicted
-        anew = finite & (self._in_a_row >= self._patience)
-        taken = finite & ~anew & (np.abs(innovation) <= self._gate)
-        self.missing = ~(taken | anew)
+        restart = finite & (self._in_a_row >= self._patience)
+        taken = finite & ~restart & (np.abs(innovation) <= self._gate)
+        self.missing = ~(taken | restart)
         self.sample = predicted + np.where(self.missing, 0.0, innovation)
-        self.value = predicted + np.where(anew, innovation, np.where(taken, self._g * innovation, 0.0))
-        self.rate = np.where(anew, 0.0, self.rate + np.where(taken, self._h * innovation, 0.0))
+        self.value = predicted + np.where(restart, innovation, np.where(taken, self._g * innovation, 0.0))
+        self.rate = np.where(restart, 0.0, self.rate + np.where(taken, self._h * innovation, 0.0))
         # Before its first finite sample a channel has refused nothing, it has not begun.
         began = np.isfinite(self._in_a_row)
         self.refused = self.refused + (self.missing & began)

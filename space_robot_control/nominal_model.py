@@ -1,4 +1,4 @@
-"""Dynamics of the NOMINAL robot: what a law believes about masses, shared by all laws."""
+"""Dynamics of the NOMINAL robot, the model of all laws."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class NominalModel:
         return out
 
     def actuated_inverse_dynamics(self, q: Vector, v: Vector, a: Vector) -> tuple[Vector, Vector]:
-        """Return the force that the robot's actuators can give for a wished acceleration, and what it leads to.
+        """Return the force of the robot's actuators for a desired acceleration, and the acceleration it gives.
 
         Free-flying: (M a + c, a). Free-floating: the translation follows from zero force, see
         ``free_floating_acceleration``; the force entries of u are exactly zero.

@@ -1,4 +1,4 @@
-"""One gain per degree of freedom, as files say it."""
+"""One gain per degree of freedom, as it stands in files."""
 
 from __future__ import annotations
 

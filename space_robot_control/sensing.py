@@ -1,4 +1,4 @@
-"""What a model-free law makes of its samples: filtered errors, and how much of their change is the robot's own."""
+"""Sampled errors for a law without a model: filtered, and split into the reference's motion and the robot's own."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Sensing:
 
     Without a filter the errors and rates are those of the measured state. With one, the rate comes from the positions
     and the measured velocity is not used. The robot's own motion is what is left of the change of the error when the
-    change of the reference is taken out, so that a moving or jumping reference teaches the law nothing false.
+    change of the reference is taken out, so that a moving or jumping reference does not disturb an estimator.
 
     Args:
         channels: of the law.
@@ -64,7 +64,7 @@ class Sensing:
 
     def update(self, state: RobotState, reference: Reference, now: ChannelErrors) -> None:
         """Take the errors of one tick."""
-        asked_move, asked_speed, jump = self._reference_change(reference, now)
+        desired_move, desired_change, jump = self._reference_change(reference, now)
         error, rate, sample = self.error, self.rate, self.sample
         if self._filter is None:
             self.error, self.rate, self.sample = now.error, now.rate, now.error
@@ -73,13 +73,13 @@ class Sensing:
             self.error, self.rate, self.sample = self._filter.value, self._filter.rate, self._filter.sample
             self.missing, self.refused = self._filter.missing, self._filter.refused
         if self._last is not None:
-            self.moved = asked_move - (self.error - error)
-            self.moved_sample = asked_move - (self.sample - sample)
-            self.sped = asked_speed - (self.rate - rate)
+            self.moved = desired_move - (self.error - error)
+            self.moved_sample = desired_move - (self.sample - sample)
+            self.sped = desired_change - (self.rate - rate)
         self._last = state, reference, now
 
     def _reference_change(self, reference: Reference, now: ChannelErrors) -> tuple[Vector, Vector, Vector]:
-        """How the reference moved and sped since the last tick, and what of it was a jump."""
+        """Motion and change of velocity of the reference since the last tick, and what of the motion was a jump."""
         if self._last is None:
             zero = np.zeros(self._channels.size)
             return zero, zero, zero
@@ -87,6 +87,6 @@ class Sensing:
         if before.q.tobytes() == reference.q.tobytes():
             moved = np.zeros(self._channels.size)
         else:
-            # The last state seen from the new reference: exact for any chart of the attitude, also for a jump.
+            # The last state against the new reference: exact for any chart of the attitude, also for a jump.
             moved = self._channels.errors(state, tracking_errors(state, reference)).error - errors.error
-        return moved, now.asked - errors.asked, moved - 0.5 * self._period * (now.asked + errors.asked)
+        return moved, now.velocity - errors.velocity, moved - 0.5 * self._period * (now.velocity + errors.velocity)

@@ -1,4 +1,4 @@
-"""Tracking errors of a free-flying robot: how far the desired body is from the actual one, seen from the actual one."""
+"""Tracking errors of a free-flying robot, in the actual body frame."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ def tracking_errors(state: RobotState, reference: Reference) -> TrackingErrors:
     """Return the errors of a state against a reference.
 
     Args:
-        state: what is, q (7+n,) with a unit quaternion, v (6+n,).
-        reference: what is asked, of the same size.
+        state: actual, q (7+n,) with a unit quaternion, v (6+n,).
+        reference: desired, of the same size.
     """
     size = state.v.size
     configuration, velocity, feedforward, quaternion = np.empty(size), np.empty(size), np.empty(size), np.empty(4)
@@ -81,13 +81,13 @@ def tracking_errors(state: RobotState, reference: Reference) -> TrackingErrors:
 
 @cache
 def prepare() -> None:
-    """Compile ``tracking_errors`` now, if this machine never did, and not in the middle of a flight."""
+    """Compile ``tracking_errors`` now, the first time on a machine, and not during a run."""
     still = Reference(0, np.array((*[0.0] * 6, 1.0)), np.zeros(6), np.zeros(6))
     tracking_errors(RobotState(0, still.q, still.v, np.zeros(0), np.zeros(3)), still)
 
 
 def error_blocks(errors: TrackingErrors) -> dict[str, Vector]:
-    """Return the telemetry every law shares: position, attitude, joint, twist and joint rate errors."""
+    """Return the telemetry that all laws have: position, attitude, joint, twist and joint rate errors."""
     return {
         "position_error": errors.position,
         "attitude_error": errors.attitude,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.rhs import (
@@ -35,7 +36,6 @@ from space_robot_sim.kernel.steps import (
     step_factor,
 )
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
-from space_robot_sim.vectors3 import cross, quaternion_rate, turn
 
 
 class PinocchioIntegrator:
@@ -87,10 +87,10 @@ class PinocchioIntegrator:
         self._q[7:] = y[7 : 7 + n]
         dy = np.empty_like(y)
         dy[7 + n : 13 + 2 * n] = pin.aba(self._model, self._data, self._q, y[7 + n : 13 + 2 * n], self._tau)
-        dy[:3] = turn(pose[3:], v)
+        dy[:3] = rotate_by_matrix(pose[3:], v)
         dy[3:7] = quaternion_rate(pose[3:], omega)
         dy[7 : 7 + n] = rates
-        inertial, moment = turn(pose[3:], force), turn(pose[3:], torque)
+        inertial, moment = rotate_by_matrix(pose[3:], force), rotate_by_matrix(pose[3:], torque)
         arm = cross(pose[:3], inertial)
         dy[13 + 2 * n] = effort @ rates + sum(force[i] * v[i] + (torque[i] - rate[i]) * omega[i] for i in range(3))
         dy[14 + 2 * n : 17 + 2 * n] = inertial

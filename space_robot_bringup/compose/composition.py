@@ -19,11 +19,11 @@ from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
-from space_robot_control.rotations import from_rpy
 from space_robot_description.dispersion import disperse
 from space_robot_description.load import load_robot
 from space_robot_description.payload import attach_payload, known_part
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import from_rpy
 from space_robot_description.spec import expand
 from space_robot_msgs_py.bounded_yaml import values_in
 from space_robot_msgs_py.errors import SpecError

@@ -28,7 +28,7 @@ def happen(law: Law, event: ControllerEvent) -> None:
         # One that was scheduled is done by the law itself; saying it again changes nothing.
         law.switch_to(str(content.get("to")))
     elif event.kind == "reset":
-        law.start_anew()
+        law.reset_in_run()
     else:
         raise SpecError("does not fit this law", key="controller/events", value=event.line[:80])
 

@@ -1,1 +1,1 @@
-"""Numbers that several laws share, in plain scalar code: compiled where numba is, the same Python where it is not."""
+"""Kernels that several laws share: plain scalar code, compiled where numba is, the same Python where it is not."""

@@ -1,4 +1,4 @@
-"""Whether the actuators of the base can do what a law commands."""
+"""Is a command within the limits of the base actuators."""
 
 from __future__ import annotations
 

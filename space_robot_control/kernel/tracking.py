@@ -1,9 +1,9 @@
-"""How far the desired body is from the actual one; the words are those of ``laws.tracking``."""
+"""Tracking errors; the symbols are those of ``TrackingErrors``."""
 
 from __future__ import annotations
 
-from space_robot_control.kernel.quaternion import attitude, log, put, relative, rotate, rotate_inverse, three
 from space_robot_description.kernel.jit import kernel
+from space_robot_description.kernel.quaternion import attitude, log, put, relative, rotate, rotate_inverse, three
 from space_robot_description.kernel.spatial import add, cross, sub
 from space_robot_msgs_py.interfaces import Vector
 

@@ -32,11 +32,11 @@ UNIT_TOLERANCE = 1e-3  # a measured quaternion further from unit length is an er
 
 @dataclass(frozen=True, slots=True)
 class Review:
-    """What a law says about a flight before it.
+    """What a law finds about a run before it.
 
     Attributes:
         facts: lines for ``space-robot check``.
-        warnings: what lies outside the law's own bounds; said before every run, which goes on all the same.
+        warnings: what lies outside the law's own bounds; printed before every run, which goes on all the same.
     """
 
     facts: tuple[str, ...] = ()
@@ -44,7 +44,7 @@ class Review:
 
 
 class Located(ControlError):
-    """A ControlError that says whose it is and when it happened."""
+    """A ControlError that names the law and the time."""
 
 
 class Law(Tunable, ABC):
@@ -52,10 +52,10 @@ class Law(Tunable, ABC):
 
     Subclasses with gains nest a ``Gains`` model and annotate ``gains: Gains``; every field has a default and a
     description with its unit. A law is a function of the states and references since the last ``reset``, of what
-    ``tune`` was told between them, and of nothing else.
+    ``tune`` changed between them, and of nothing else.
 
     Args:
-        robot: the NOMINAL robot; the true one is never shown to a law.
+        robot: the NOMINAL robot; a law never sees the true one.
         control_period: time between two updates [s].
         gains: an instance of this law's ``Gains``; None: the defaults.
 
@@ -93,7 +93,7 @@ class Law(Tunable, ABC):
 
     @classmethod
     def must_compile(cls) -> bool:
-        """True if the next such law will first be compiled when it is made, which takes seconds; by default never."""
+        """True if making the next such law compiles it first, which takes seconds; by default never."""
         return False
 
     @abstractmethod
@@ -109,10 +109,10 @@ class Law(Tunable, ABC):
         """
 
     def review(self, path: Sequence[Reference]) -> Review:
-        """Judge these gains at this period for this robot along a path, before flying; by default nothing is said.
+        """Judge these gains at this period for this robot along a path, before the run; by default nothing is found.
 
         Args:
-            path: where the robot starts, then references over the whole flight.
+            path: where the robot starts, then references over the whole run.
         """
         del path
         return Review()
@@ -123,51 +123,48 @@ class Law(Tunable, ABC):
         Overriding laws call this one too.
         """
         self._layout = None
-        self.tell_anew()
+        self.restart_events()
 
-    def start_anew(self) -> None:
-        """Reset in flight, because states passed that nobody answered; the next output tells it."""
+    def reset_in_run(self) -> None:
+        """Reset after states that got no command; the next output has the event."""
         self.reset()
-        self.tell("reset", {})
+        self.add_event("reset", {})
 
     def resume(self) -> None:
-        """Get ready to answer again after states that others answered; by default like the first of a run."""
+        """Get ready to control after states that another law controlled; by default like the first of a run."""
         self.reset()
 
     def health(self) -> Mapping[str, float]:
-        """Numbers that say how well an estimator is doing, for people who watch; computed only when asked for."""
+        """Numbers that say how well an estimator is doing, for diagnostics; computed only on demand."""
         return {}
 
-    def hold(self, command: Command, *, own: bool) -> None:
-        """Learn what acts from now on; called once after each ``compute``. By default it is not of interest.
+    def on_applied(self, command: Command, *, own: bool) -> None:
+        """Take note of the command that acts from now on; called once per period, by default without effect.
 
         Args:
-            command: what is sent.
-            own: it is what ``compute`` returned; False while this law takes over from another, see ``Switching``.
+            command: the applied one.
+            own: it is what ``compute`` returned. False: this law is idle and another one commands, or this law takes
+                over from another and ``compute`` has only a share in the command, see ``Switching``.
         """
         del command, own
 
-    def stand_by(self, command: Command) -> None:
-        """Learn what another law commands while this one is idle; by default it is not of interest."""
-        del command
-
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
-        """Answer one state with a command and telemetry of the same stamp.
+        """Return command and telemetry for one state, of the same stamp; the command is taken as applied.
 
         Raises:
             CommandError: state or reference does not fit the robot or each other.
-            ControlError: the law met or made numbers it cannot go on with.
+            ControlError: a value in the control law is not finite or singular.
         """
-        output = self.answer(state, reference)
-        self.hold(output.command, own=True)
+        output = self.control(state, reference)
+        self.on_applied(output.command, own=True)
         return output
 
-    def answer(self, state: RobotState, reference: Reference) -> ControlOutput:
-        """``update`` without its last step, for a caller that says itself what is held.
+    def control(self, state: RobotState, reference: Reference) -> ControlOutput:
+        """``update`` without ``on_applied``, for a caller that may apply another command.
 
         Raises:
             CommandError: state or reference does not fit the robot or each other.
-            ControlError: the law met or made numbers it cannot go on with.
+            ControlError: a value in the control law is not finite or singular.
         """
         self._check(state, reference)
         try:
@@ -179,7 +176,7 @@ class Law(Tunable, ABC):
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             raise self._failure(str(error), "u", state.stamp) from error
         command, telemetry = self._command(state.stamp, u), self._telemetry(state.stamp, blocks)
-        return ControlOutput(command, telemetry, self.told(state.stamp))
+        return ControlOutput(command, telemetry, self.pending_events(state.stamp))
 
     def _check(self, state: RobotState, reference: Reference) -> None:
         if state.q.size != 7 + self.n or reference.q.size != 7 + self.n:

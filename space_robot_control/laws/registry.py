@@ -23,12 +23,12 @@ GROUP = "space_robot.laws"
 PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
     "adaptive": "space_robot_control.laws.adaptive.law:Adaptive",
-    "computed_torque": "space_robot_control.laws.computed_torque:ComputedTorque",
+    "computed_torque": "space_robot_control.laws.computed_torque.law:ComputedTorque",
     "mfac": "space_robot_control.laws.mfac.law:ModelFree",
     "none": "space_robot_control.laws.zero_command:ZeroCommand",
     "ntsmc": "space_robot_control.laws.ntsmc.quaternion_law:Ntsmc",
     "ntsmc_euler": "space_robot_control.laws.ntsmc.euler_law:NtsmcEuler",
-    "pd": "space_robot_control.laws.pd:ProportionalDerivative",
+    "pd": "space_robot_control.laws.pd.law:ProportionalDerivative",
 }
 
 

@@ -1,4 +1,4 @@
-"""Several laws of which one answers; another takes over at a period boundary without a bump in the command."""
+"""Several laws of which one is active; another takes over at a period boundary, bumpless."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ class Switching(Law):
     The first command of the new law is thus the last one of the law before, and from one period to the next the command
     changes by what the new law wants and by a share T/handover of the bump there would have been: the smallest largest
     step. A law that takes over starts as at the beginning of a run, but for what it learned of the robot, see
-    ``Law.resume``. It is told what is commanded, so that its estimator does not take the torque of the law before for
-    the robot's doing; so is an idle law, which has wheels to keep count of.
+    ``Law.resume``. Every law sees the applied command (``Law.on_applied``), so that the estimator of the new one does
+    not attribute the torque of the law before to the robot, and an idle one keeps count of the wheels' momentum.
 
     Telemetry, in one layout for the whole run: the errors every law has; active_law (index, 0 the first), handover (w),
-    and everything else of each law as ``<name>.<label>``, 0 while the law does not fly. For these labels every law is
-    asked once, at the first state.
+    and everything else of each law as ``<name>.<label>``, 0 while the law is idle. For these labels every law computes
+    once, at the first state.
 
     Args:
         robot: the NOMINAL robot.
         control_period: [s].
         laws: by name; the first one starts.
-        switches: (stamp [ns], name) in order of time; done with the first state of that stamp or later.
+        switches: (stamp [ns], name) in order of time; each acts at the first state of that stamp or later.
         handover: how long w takes from 1 to 0 [s]; 0: a switch is a step.
 
     Raises:
         SpecError: fewer than two laws, or a switch to a law that is not there.
 
-    Deviations from the paper: there is none behind it, the fading bump is ours. Bumpless transfer in general: Zaccarian
+    Deviations from the paper: there is no paper, the fading bump is ours. Bumpless transfer in general: Zaccarian
     and Teel, "A common framework for anti-windup, bumpless transfer and reliable designs", Automatica 38(10), 2002.
     """
 
@@ -68,15 +68,15 @@ class Switching(Law):
 
     @property
     def active(self) -> str:
-        """Name of the law that answers."""
+        """Name of the active law."""
         return self._active
 
     def reset(self) -> None:
-        """Back to the first law, which starts anew like all others."""
+        """Back to the first law; all laws are reset."""
         super().reset()
         for law in self._laws.values():
             law.reset()
-        self._active, self._asked, self._due = self._names[0], "", 0
+        self._active, self._requested, self._due = self._names[0], "", 0
         self._labels: dict[str, dict[str, int]] | None = None
         self._last: Vector | None = None
         self._bump, self._since = np.zeros(6 + self.n), -self._handover
@@ -88,7 +88,7 @@ class Switching(Law):
             SpecError: there is no such law.
         """
         self._check_name(name)
-        self._asked = name
+        self._requested = name
 
     def next_in_turn(self) -> str:
         """Name of the law after the active one, in the order of the experiment; after the last comes the first."""
@@ -109,20 +109,20 @@ class Switching(Law):
             SpecError: see ``Law.tune``; or the changes are for more than one law.
         """
         gains = dict(changes)
-        asked = gains.pop(ACTIVE, None)
-        if asked is not None:
-            self._check_name(asked)
+        target = gains.pop(ACTIVE, None)
+        if target is not None:
+            self._check_name(target)
         owners = {self._owner(key) for key in gains}
         if len(owners) > 1:
             raise SpecError("one law at a time", key=", ".join(gains))
         for prefix in owners:
             self._prefixed()[prefix].tune({key.removeprefix(prefix): value for key, value in gains.items()})
-            self.tell_tuned(gains)
-        if asked is not None:
-            self.switch_to(str(asked))
+            self.add_parameters_event(gains)
+        if target is not None:
+            self.switch_to(str(target))
 
     def review(self, path: Sequence[Reference]) -> Review:
-        """What each of the laws says."""
+        """What each of the laws finds."""
         reviews = [law.review(path) for law in self._laws.values()]
         return Review(
             tuple(fact for review in reviews for fact in review.facts),
@@ -130,17 +130,17 @@ class Switching(Law):
         )
 
     def health(self) -> Mapping[str, float]:
-        """Of the law that flies."""
+        """Of the active law."""
         return self._laws[self._active].health()
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class."""
         errors = error_blocks(tracking_errors(state, reference))
         if self._labels is None:
-            self._labels = self._ask_all(state, reference, set(errors))
-        taking_over = self._turn(state.stamp)
+            self._labels = self._layouts(state, reference, set(errors))
+        taking_over = self._switch(state.stamp)
         law = self._laws[self._active]
-        output = law.answer(state, reference)
+        output = law.control(state, reference)
         u = output.command.u
         if taking_over and self._last is not None:
             self._bump, self._since = self._last - u, state.stamp
@@ -148,10 +148,8 @@ class Switching(Law):
         if weight:
             u = u + weight * self._bump
             command = Command(state.stamp, u[:6], u[6:])
-        law.hold(command, own=weight == 0.0)
         for other in self._laws.values():
-            if other is not law:
-                other.stand_by(command)
+            other.on_applied(command, own=other is law and weight == 0.0)
         self._last = u
         shown = {label: block for label, block in output.telemetry.items() if label in self._labels[self._active]}
         return u, {
@@ -161,16 +159,16 @@ class Switching(Law):
             **self._blocks(self._labels, shown),
         }
 
-    def _turn(self, stamp: int) -> bool:
-        """Follow the schedule and what was asked for, which counts more; True if another law is to answer now."""
+    def _switch(self, stamp: int) -> bool:
+        """Follow the schedule, or a request, which has priority; True if another law takes over now."""
         target = self._active
         while self._due < len(self._switches) and self._switches[self._due][0] <= stamp:
             target = self._switches[self._due][1]
             self._due += 1
-        target, self._asked = self._asked or target, ""
+        target, self._requested = self._requested or target, ""
         if target == self._active:
             return False
-        self.tell("switch", {"from": self._active, "to": target})
+        self.add_event("switch", {"from": self._active, "to": target})
         self._active = target
         self._laws[target].resume()
         return True
@@ -179,11 +177,11 @@ class Switching(Law):
         passed = stamp - self._since
         return max(0.0, 1.0 - passed / self._handover) if self._handover else 0.0
 
-    def _ask_all(self, state: RobotState, reference: Reference, shared: set[str]) -> dict[str, dict[str, int]]:
+    def _layouts(self, state: RobotState, reference: Reference, shared: set[str]) -> dict[str, dict[str, int]]:
         """Labels and sizes of what each law shows beside the shared errors."""
         found = {}
         for name, law in self._laws.items():
-            telemetry = law.answer(state, reference).telemetry
+            telemetry = law.control(state, reference).telemetry
             law.reset()
             sizes = zip(telemetry.labels, telemetry.sizes, strict=True)
             found[name] = {label: size for label, size in sizes if label not in shared}

@@ -1,4 +1,4 @@
-"""Gains that change in flight, told as events so that a log says it and a replay can do it again."""
+"""Gains that change during a run, with an event for each change: the log has it and a replay repeats it."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ class Tunable:
 
     def __init__(self) -> None:
         self._tuned: dict[str, Any] = {}
-        self._untold: list[tuple[str, Mapping[str, Any]]] = []
+        self._pending: list[tuple[str, Mapping[str, Any]]] = []
 
     def parameters(self) -> Iterator[ParameterRow]:
         """The gains in force, as ``gains.<dotted name>``; those marked dynamic are what ``tune`` takes."""
         return parameter_rows(self.gains, GAINS)
 
     def tune(self, changes: Mapping[str, Any]) -> None:
-        """Change gains in flight, from the next update on, whose output has the event; all of them or none.
+        """Change gains during a run, from the next update on, whose output has the event; all of them or none.
 
         Args:
             changes: ``gains.<dotted name>`` of dynamic gains (``Field(..., json_schema_extra=DYNAMIC)``) to value.
 
         Raises:
-            SpecError: a name or value is not accepted, or the law cannot fly with it.
+            SpecError: a name or value is not accepted, or the law cannot work with it.
         """
         for name in changes:
             if not name.startswith(GAINS):
@@ -47,31 +47,31 @@ class Tunable:
         gains = changed(self.gains, dict(zip(names, changes.values(), strict=True)), f"controller.{GAINS}")
         self.retune(gains)
         self.gains = gains
-        self.tell_tuned(changes)
+        self.add_parameters_event(changes)
 
     def retune(self, gains: Any) -> None:
-        """Get ready to go on with other gains, as they are in ``gains``; by default nothing is to be done.
+        """Prepare to go on with other gains; by default nothing is to be done.
 
         Laws that keep numbers made of dynamic gains override this, and refuse before they change anything.
         """
 
-    def tell(self, kind: str, content: Mapping[str, Any]) -> None:
+    def add_event(self, kind: str, content: Mapping[str, Any]) -> None:
         """Put an event into the next output, see ``ControllerEvent``."""
-        self._untold.append((kind, content))
+        self._pending.append((kind, content))
 
-    def tell_tuned(self, changes: Mapping[str, Any]) -> None:
-        """Put what was tuned into the next output."""
+    def add_parameters_event(self, changes: Mapping[str, Any]) -> None:
+        """Put changed gains into the next output, and into the first output of every later run."""
         self._tuned |= changes
-        self.tell("parameters", {"values": dict(changes)})
+        self.add_event("parameters", {"values": dict(changes)})
 
-    def tell_anew(self) -> None:
-        """Forget what was not told yet; a run that starts with other gains than its experiment says tells so first."""
-        self._untold = [("parameters", {"values": dict(self._tuned)})] if self._tuned else []
+    def restart_events(self) -> None:
+        """Drop pending events; a run whose gains differ from its experiment's begins with an event that has them."""
+        self._pending = [("parameters", {"values": dict(self._tuned)})] if self._tuned else []
 
-    def told(self, stamp: int) -> tuple[ControllerEvent, ...]:
-        """What was to be told, under the stamp [ns] of the output it goes with."""
-        if not self._untold:
+    def pending_events(self, stamp: int) -> tuple[ControllerEvent, ...]:
+        """Take the pending events, under the stamp [ns] of the output they go with."""
+        if not self._pending:
             return ()
-        events = tuple(ControllerEvent(stamp, kind, content) for kind, content in self._untold)
-        self._untold = []
+        events = tuple(ControllerEvent(stamp, kind, content) for kind, content in self._pending)
+        self._pending = []
         return events

@@ -1,4 +1,4 @@
-"""The law that does nothing: to look at free motion, and to have the smallest complete example of a law."""
+"""The law of zero command: for free motion, and as the smallest complete example of a law."""
 
 from __future__ import annotations
 

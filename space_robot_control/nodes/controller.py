@@ -1,4 +1,4 @@
-"""The node that carries a control law: it reacts to states and owns no timer."""
+"""The node that runs a control law: it reacts to states and owns no timer."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ HEARING_SECONDS = 5.0
 
 
 class ControllerNode(ManagedNode):
-    """Joins state and reference of equal stamp, asks the law, publishes command and telemetry under the same stamp.
+    """Joins state and reference of equal stamp, updates the law, publishes command and telemetry under the same stamp.
 
     Dynamic gains are dynamic parameters; a change acts from the next state on and is published on ``controller/events``
     before the command it acts on. With laws in standby ``~/switch`` (std_srvs/Trigger) and the parameter
     ``active_law`` let another law take over.
 
-    Deactivated it does not answer: a lock-step run stands still, a paced one flies on in the plant's hold. Activated
-    again it answers the state that waits; where others passed meanwhile, the law starts anew.
+    Deactivated it does not answer: a lock-step run stands still, a paced one goes on in the plant's hold. Activated
+    again it answers the state that waits; if states passed without a command meanwhile, the law is reset.
 
     Args:
         make_law: builds the law, each time the node is configured.
@@ -81,7 +81,7 @@ class ControllerNode(ManagedNode):
     def activate(self) -> None:
         """Answer the newest state that waits."""
         if self._passed_by:
-            self._law.start_anew()
+            self._law.reset_in_run()
             self._passed_by = False
         if self._waiting is not None:
             self._answer(*self._waiting)

@@ -14,8 +14,8 @@ from space_robot_control.references.spec import EndEffectorPoint, EndEffectorSpe
 from space_robot_control.references.spline import RestToRestSpline
 from space_robot_control.references.targets import check_limits, configuration
 from space_robot_control.references.tool_kinematics import Pose, ToolKinematics, tool_pose
-from space_robot_control.rotations import exp, from_rpy, log, normalized, product, relative
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import exp, from_rpy, log, normalized, product, relative
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
 

@@ -11,8 +11,8 @@ import numpy as np
 from space_robot_control.references.profile import in_body, nanoseconds, quintic
 from space_robot_control.references.spec import HarmonicSpec, Wave, Waves
 from space_robot_control.references.targets import check_limits, configuration
-from space_robot_control.rotations import from_rpy, rpy_rates, to_rpy
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import from_rpy, rpy_rates, to_rpy
 from space_robot_description.spec import check_joint_names
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector

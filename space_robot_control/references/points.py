@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from space_robot_control.references.profile import in_body, quintic
-from space_robot_control.rotations import exp, log, product, relative
+from space_robot_description.rotations import exp, log, product, relative
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector
 

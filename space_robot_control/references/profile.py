@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import cast
 
-from space_robot_control.rotations import cross, rotate_inverse
+from space_robot_description.rotations import cross, rotate_inverse
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from space_robot_control.rotations import normalized
+from space_robot_description.rotations import normalized
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector
 

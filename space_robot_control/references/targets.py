@@ -7,8 +7,8 @@ from math import degrees, radians
 import numpy as np
 
 from space_robot_control.references.spec import Target
-from space_robot_control.rotations import from_rpy, normalized
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import from_rpy, normalized
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.vectors import Vector, vector

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from space_robot_control.rotations import Quaternion, conjugate, log, normalized, product
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import Quaternion, conjugate, log, normalized, product
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 

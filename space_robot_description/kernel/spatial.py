@@ -193,19 +193,3 @@ def solve(f: Sym, b: Vec) -> Vec:
     z = y2 * f[5]
     y = y1 * f[3] - f[4] * z
     return b[0] * f[0] - f[1] * y - f[2] * z, y, z
-
-
-@inner
-def rotation(x: float, y: float, z: float, w: float) -> Mat:
-    """Rotation matrix of a unit quaternion."""
-    return (
-        1.0 - 2.0 * (y * y + z * z),
-        2.0 * (x * y - z * w),
-        2.0 * (x * z + y * w),
-        2.0 * (x * y + z * w),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z - x * w),
-        2.0 * (x * z - y * w),
-        2.0 * (y * z + x * w),
-        1.0 - 2.0 * (x * x + y * y),
-    )

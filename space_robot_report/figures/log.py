@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from space_robot_control.rotations import to_rpy
+from space_robot_description.rotations import to_rpy
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.escapes import mathtext
 from space_robot_msgs_py.interfaces import Vector

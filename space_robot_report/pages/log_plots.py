@@ -9,8 +9,8 @@ import numpy as np
 
 from space_robot_bringup.judge.metrics import Matrix, deviations
 from space_robot_bringup.judge.verdict import PLANT_BOUNDS
-from space_robot_control.rotations import to_rpy
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import to_rpy
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.arrays import LogArrays

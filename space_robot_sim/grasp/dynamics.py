@@ -8,13 +8,13 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import Three, conjugate, cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.orbit import Orbit
 from space_robot_sim.kernel.tableau import STAGES, A, B, C
-from space_robot_sim.vectors3 import Triple, cross, quaternion_rate, turn, turn_back
 
-NOTHING: Triple = (0.0, 0.0, 0.0)
+NOTHING: Three = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +32,12 @@ class Push:
         turning: rate at which its third joint has no torque [rad/s].
     """
 
-    force: Triple
-    moment: Triple
-    torque: Triple
+    force: Three
+    moment: Three
+    torque: Three
     effort: tuple[float, ...]
-    outside_force: Triple = NOTHING
-    outside_torque: Triple = NOTHING
+    outside_force: Three = NOTHING
+    outside_torque: Three = NOTHING
     rest: float = 0.0
     turning: float = 0.0
 
@@ -92,14 +92,17 @@ class GraspDynamics:
         twist, omega, rates = state[7 + n : 13 + n], state[10 + n : 13 + n], state[13 + n : 13 + 2 * n]
         wheel_torque, wheels = state[self.wheel_torque], state[self.wheels]
         effort, stretch = self._efforts(joints, rates, state[self.bristle], push)
-        outside, outside_torque = turn_back(quaternion, push.outside_force), turn_back(quaternion, push.outside_torque)
+        to_body = conjugate(quaternion)
+        outside, outside_torque = (
+            rotate_by_matrix(to_body, vector) for vector in (push.outside_force, push.outside_torque)
+        )
         force = [push.force[i] + outside[i] for i in range(3)]
         external = [push.moment[i] + outside_torque[i] for i in range(3)]
         gyroscopic = cross(omega, wheels)
         torque = [external[i] + wheel_torque[i] - gyroscopic[i] for i in range(3)]
         self._q[7:] = joints
         acceleration = pin.aba(self._model, self._data, self._q, y[self.velocity], np.array([*force, *torque, *effort]))
-        inertial, moment = turn(quaternion, force), turn(quaternion, external)
+        inertial, moment = rotate_by_matrix(quaternion, force), rotate_by_matrix(quaternion, external)
         arm = cross(position, inertial)
         power = sum(a * b for a, b in zip((*force, *torque, *effort), (*twist, *rates), strict=True))
         # The torque has the gyroscopic part, which does no work: it is at right angles to omega.
@@ -107,18 +110,18 @@ class GraspDynamics:
         if self._orbit is not None:
             fall = self._orbit.acceleration(t, (position[0], position[1], position[2]))
             # Everything falls alike: the base gains the acceleration, joints and rotation do not notice.
-            acceleration = acceleration + np.array([*turn_back(quaternion, fall), *[0.0] * (3 + n)])
+            acceleration = acceleration + np.array([*rotate_by_matrix(to_body, fall), *[0.0] * (3 + n)])
             balance = [a + b for a, b in zip(balance, self._weight(fall, position, quaternion, y), strict=True)]
         turning = self._wheel_slope(wheel_torque, push.torque)
         rest = stretch, *turning, *(-part for part in wheel_torque), *balance
-        pose = (*turn(quaternion, twist[:3]), *quaternion_rate(quaternion, omega), *rates)
+        pose = (*rotate_by_matrix(quaternion, twist[:3]), *quaternion_rate(quaternion, omega), *rates)
         return np.array([*pose, *acceleration.tolist(), *rest])
 
-    def _weight(self, fall: Triple, position: list[float], quaternion: list[float], y: Vector) -> list[float]:
+    def _weight(self, fall: Three, position: list[float], quaternion: list[float], y: Vector) -> list[float]:
         """Power, force and moment about the inertial origin of an acceleration of the whole robot."""
         com = pin.centerOfMass(self._model, self._data, self._q, np.array(y[self.velocity])).tolist()
-        velocity = turn(quaternion, self._data.vcom[0].tolist())
-        place = [a + b for a, b in zip(position, turn(quaternion, com), strict=True)]
+        velocity = rotate_by_matrix(quaternion, self._data.vcom[0].tolist())
+        place = [a + b for a, b in zip(position, rotate_by_matrix(quaternion, com), strict=True)]
         force = [self._mass * a for a in fall]
         return [sum(a * b for a, b in zip(force, velocity, strict=True)), *force, *cross(place, force)]
 
@@ -132,5 +135,5 @@ class GraspDynamics:
         effort[i], effort[j], effort[k] = found.x, found.y, found.torque
         return effort, found.bristle_rate
 
-    def _wheel_slope(self, torque: list[float], asked: Triple) -> list[float]:
+    def _wheel_slope(self, torque: list[float], asked: Three) -> list[float]:
         return [(asked[i] - torque[i]) / self._lag if self._lag > 0.0 else 0.0 for i in range(3)]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import cos, expm1, log1p, sin, sqrt
 
+from space_robot_description.rotations import Three
 from space_robot_sim.grasp.spec import OrbitSpec
-from space_robot_sim.vectors3 import Triple
 
 
 class Orbit:
@@ -26,7 +26,7 @@ class Orbit:
         """Mean motion of the virtual point [rad/s]."""
         return self._rate
 
-    def acceleration(self, t: float, d: Triple) -> Triple:
+    def acceleration(self, t: float, d: Three) -> Three:
         """Return the acceleration [m/s2] at a time [s] and a place d [m], inertial axes."""
         r = self._radius
         place = (r * cos(self._rate * t), r * sin(self._rate * t), 0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from space_robot_description.kernel.jit import constants, inner, kernel
+from space_robot_description.kernel.quaternion import attitude, matrix
 from space_robot_description.kernel.spatial import (
     Vec,
     add,
@@ -18,7 +19,6 @@ from space_robot_description.kernel.spatial import (
     mul_t,
     product,
     put3,
-    rotation,
     scaled,
 )
 from space_robot_msgs_py.interfaces import Vector
@@ -59,7 +59,7 @@ def _move(robot: RobotArrays, body: int, y: Vector, work: Vector) -> None:
     if body == 0:
         k = 6 + bodies
         v, w = (y[k], y[k + 1], y[k + 2]), (y[k + 3], y[k + 4], y[k + 5])
-        turn, origin = rotation(y[3], y[4], y[5], y[6]), (y[0], y[1], y[2])
+        turn, origin = matrix(attitude(y)), (y[0], y[1], y[2])
     else:
         place(robot, body, y[6 + body], work)
         above = robot.tree[body, PARENT]

@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_description.kernel.jit import constants, inner, kernel
-from space_robot_description.kernel.spatial import Vec, add, cross, dot, get3, mul, rotation, scaled
+from space_robot_description.kernel.quaternion import attitude, matrix, quaternion_rate
+from space_robot_description.kernel.spatial import Vec, add, cross, dot, get3, mul, scaled
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.aba import forward_dynamics
 from space_robot_sim.kernel.arrays import RobotArrays
@@ -95,13 +96,9 @@ def base_torque(drive: Drive, k: int, t: float, omega: Vec) -> Vec:
 @inner
 def kinematics(y: Vector, n: int, dy: Vector) -> None:
     """Rates of position, quaternion (1/2 q omega) and joints."""
-    x, yy, z, w = y[3], y[4], y[5], y[6]
-    a, b, c = y[10 + n], y[11 + n], y[12 + n]
-    dy[0], dy[1], dy[2] = mul(rotation(x, yy, z, w), (y[7 + n], y[8 + n], y[9 + n]))
-    dy[3] = 0.5 * (w * a + yy * c - z * b)
-    dy[4] = 0.5 * (w * b + z * a - x * c)
-    dy[5] = 0.5 * (w * c + x * b - yy * a)
-    dy[6] = -0.5 * (x * a + yy * b + z * c)
+    v, omega = (y[7 + n], y[8 + n], y[9 + n]), (y[10 + n], y[11 + n], y[12 + n])
+    dy[0], dy[1], dy[2] = mul(matrix(attitude(y)), v)
+    dy[3], dy[4], dy[5], dy[6] = quaternion_rate(attitude(y), omega)
     for joint in range(n):
         dy[7 + joint] = y[13 + n + joint]
 
@@ -113,7 +110,7 @@ def quadratures(drive: Drive, k: int, joint_power: float, y: Vector, dy: Vector)
     q = 13 + 2 * n
     v, omega = (y[7 + n], y[8 + n], y[9 + n]), (y[10 + n], y[11 + n], y[12 + n])
     force, torque, rate = get3(drive.segments, k, FORCE), get3(drive.segments, k, TORQUE), get3(drive.segments, k, RATE)
-    turn = rotation(y[3], y[4], y[5], y[6])
+    turn = matrix(attitude(y))
     inertial = mul(turn, force)
     # The gyroscopic torque is normal to omega and does no work.
     dy[q] = joint_power + dot(force, v) + dot(torque, omega) - dot(rate, omega)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field, NonNegativeFloat, model_validator
 
-from space_robot_control.rotations import exp, to_rpy
+from space_robot_description.rotations import exp, to_rpy
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.interfaces import Vector
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_control.rotations import log, relative, rotate
+from space_robot_description.rotations import log, relative, rotate
 from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.interfaces import Vector
 

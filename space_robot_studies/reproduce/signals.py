@@ -10,9 +10,9 @@ import numpy as np
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.judge.metrics import Matrix, axis_names, deviations
 from space_robot_control.references.tool_kinematics import tool_pose
-from space_robot_control.rotations import log, relative, rotate, to_rpy
 from space_robot_description.inertia import inertial_parameters
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import log, relative, rotate, to_rpy
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
 from space_robot_msgs_py.interfaces import PlantSample, Vector
 from space_robot_msgs_py.log.arrays import LogArrays

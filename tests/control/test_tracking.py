@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from space_robot_control import rotations as rot
 from space_robot_control.tracking import TrackingErrors, tracking_errors
+from space_robot_description import rotations as rot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from tests.support.robots import arm_model, random_state
 

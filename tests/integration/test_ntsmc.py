@@ -10,8 +10,8 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
-from space_robot_control.rotations import log, relative
 from space_robot_description.load import load_robot
+from space_robot_description.rotations import log, relative
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_studies.reproduce.attitude_path import axis_distances, path_ratio
 from space_robot_studies.reproduce.signals import tool_errors

@@ -1,4 +1,4 @@
-"""Inertial parameters of bodies that can exist: check, projection, and steps that cannot leave them.
+"""Physically consistent inertial parameters: check, projection, and steps that stay consistent.
 
 A body is physically consistent exactly if its pseudo-inertia P, a symmetric 4 x 4 matrix linear in its ten parameters,
 is positive definite (Wensing, Kim, Slotine, IEEE RA-L 3(1), 2018).
@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from space_robot_control.laws.adaptive.kernel.consistency import judge
+from space_robot_control.laws.adaptive.kernel.consistency import assess
 from space_robot_description.inertia import pseudo_inertia
 from space_robot_msgs_py.interfaces import Vector
 
 PER_BODY = 10
-SMALLEST = 1e-9  # eigenvalue of a projected pseudo-inertia, relative to its trace
-LONGEST = 1.0  # exponent of one natural step: more is a jump the period is too long for
+MIN_EIGENVALUE = 1e-9  # of a projected pseudo-inertia, relative to its trace
+MAX_EXPONENT = 1.0  # of one natural step: a larger one means that the period is too long
 
 _TO_PSEUDO = np.array([pseudo_inertia(unit).ravel() for unit in np.eye(PER_BODY)]).T
 _FROM_PSEUDO = np.linalg.pinv(_TO_PSEUDO)
@@ -27,21 +27,21 @@ def pseudo_inertias(parameters: Vector) -> Vector:
 
 
 def is_consistent(parameters: Vector) -> bool:
-    """True if every body with these (10 B,) parameters can exist."""
-    _, _, possible = judge(parameters)
+    """True if every body with these (10 B,) parameters is physically possible."""
+    _, _, possible = assess(parameters)
     return possible
 
 
 def project(parameters: Vector) -> Vector:
     """Return the nearest consistent parameters (10 B,), in the Frobenius norm of the pseudo-inertias.
 
-    Bodies that can exist keep their bits.
+    Consistent bodies keep their bits.
     """
     if is_consistent(parameters):
         return parameters
     pseudo = pseudo_inertias(parameters)
     values, vectors = np.linalg.eigh(pseudo)
-    floor = SMALLEST * np.maximum(np.abs(values).sum(axis=1, keepdims=True), SMALLEST)
+    floor = MIN_EIGENVALUE * np.maximum(np.abs(values).sum(axis=1, keepdims=True), MIN_EIGENVALUE)
     kept = np.maximum(values, floor)
     nearest = _parameters(np.einsum("bij,bj,bkj->bik", vectors, kept, vectors))
     out = np.where(values[:, :1] >= floor, parameters.reshape(-1, PER_BODY), nearest)
@@ -70,7 +70,7 @@ def natural_step(parameters: Vector, gradient: Vector, gain: float) -> Vector:
     exponent = gain * (root.transpose(0, 2, 1) @ dual @ root)
     values, vectors = np.linalg.eigh(exponent)
     turned = root @ vectors
-    grown = np.exp(np.clip(values, -LONGEST, LONGEST))
+    grown = np.exp(np.clip(values, -MAX_EXPONENT, MAX_EXPONENT))
     return _parameters(np.einsum("bij,bj,bkj->bik", turned, grown, turned)).ravel()
 
 

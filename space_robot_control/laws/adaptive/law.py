@@ -11,8 +11,8 @@ import numpy as np
 from space_robot_control.laws.adaptive.cycle import Cycle
 from space_robot_control.laws.adaptive.euler_coordinates import PITCH, euler_state
 from space_robot_control.laws.adaptive.gains import AdaptiveGains
-from space_robot_control.laws.adaptive.kernel import control as answer
-from space_robot_control.laws.adaptive.kernel.workspace import Held
+from space_robot_control.laws.adaptive.kernel import control
+from space_robot_control.laws.adaptive.kernel.workspace import PeriodStart
 from space_robot_control.laws.adaptive.parameter_update import ParameterUpdate
 from space_robot_control.laws.adaptive.regressor import Regressor
 from space_robot_control.laws.adaptive.review import AdaptiveReview
@@ -25,7 +25,7 @@ from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vecto
 
 
 class Adaptive(Law):
-    """u = Y(Theta, Theta', Theta_r', Theta_r'') pi_hat + K_D sigma, with pi_hat corrected in flight.
+    """u = Y(Theta, Theta', Theta_r', Theta_r'') pi_hat + K_D sigma, with pi_hat corrected during the run.
 
     In Euler coordinates Theta, desired minus actual e = Theta_d - Theta:
 
@@ -36,7 +36,7 @@ class Adaptive(Law):
     whose damping Lambda weighs, and the one under which the paper's Fig. 10 appears.
 
     Free-floating robots: the three rows of zero force give the translation, p_r'' = -(Y_p pi_hat) / m_hat, and the
-    velocity error it entails, sigma_p = -(M_pr sigma) / m_hat; no accelerometer and no algebraic loop is needed.
+    eliminated part of sigma, sigma_p = -(M_pr sigma) / m_hat; no accelerometer and no algebraic loop is needed.
     Free-flying robots: translation is controlled like the rest.
 
     Updates (``update``): ``none``; ``rls`` (39)-(41); ``lyapunov`` pi_hat' = Gamma Y^T [sigma_p, sigma] (44);
@@ -46,7 +46,7 @@ class Adaptive(Law):
     [m], sliding_variable (m: translation if free-flying, roll, pitch, yaw, joints) [m/s, rad/s], lyapunov_function
     (sigma^T M_hat sigma / 2 + e^T Lambda K_D e) [J], parameters (10 (1+n)), consistent (1: every body can exist), and
     with RLS innovation (m) [N, N m], surprise (innovation over its variance) [-], covariance_trace, resets, learned
-    (0: the base saturated and the period taught nothing).
+    (0: the base saturated and the period was left out).
 
     Deviations from the paper: the base translation is not eliminated from the parametrisation (the virtual manipulator
     of sec. 2 makes the dynamics nonlinear in pi) but from the command; both Y of (38) and (44) are Slotine-Li's with
@@ -82,7 +82,7 @@ class Adaptive(Law):
     @classmethod
     def must_compile(cls) -> bool:
         """True before the first adaptive law on a machine."""
-        return not cached(Path(answer.__file__), answer.answer.__name__)
+        return not cached(Path(control.__file__), control.control.__name__)
 
     def reset(self) -> None:
         """Forget the past: estimate, covariance and damping matrix are those of the start again."""
@@ -91,12 +91,14 @@ class Adaptive(Law):
         self._update = ParameterUpdate(self.robot, self.regressor.parameters, self._cycle, self.gains)
         self._wheels = WheelMomentum(self.robot, known=self.gains.gyroscopic)
         self._mass: Vector | None = None
+        self._start: tuple[Vector, Vector, Vector] | None = None
 
     def resume(self) -> None:
-        """Go on with what was learned of the robot; only the period before is forgotten."""
+        """Keep what was learned of the robot; only the last period is forgotten."""
         super().reset()
         self._cycle.reset()
         self._update.pause()
+        self._start = None
 
     def health(self) -> Mapping[str, float]:
         """Condition and trace of the RLS covariance, resets, and whether every body can exist."""
@@ -104,10 +106,9 @@ class Adaptive(Law):
 
     def retune(self, gains: Gains) -> None:
         """Go on with another Lambda or kappa; K_D stays kappa times the matrix of the first state."""
-        weight = gains.lambda_.values(self.robot, "controller.gains.lambda")[self._first :]
-        self._cycle.rule.weight[:] = weight
+        self._cycle.rule.lambda_[:] = gains.lambda_.values(self.robot, "controller.gains.lambda")[self._first :]
         if self._mass is not None:
-            self._cycle.rule.damping[:] = gains.kappa * self._mass
+            self._cycle.rule.k_d[:] = gains.kappa * self._mass
 
     def review(self, path: Sequence[Reference]) -> Review:
         """The sampled-data stability rule along the path, see ``stability.stable_lambda``."""
@@ -118,31 +119,29 @@ class Adaptive(Law):
 
         Raises:
             ControlError: the attitude is near the singularity of Euler angles, K_D is not positive definite, or the
-                estimate is lost.
+                estimate is unusable.
         """
         x, dx = euler_state(state)
         self._check_pitch(x)
         self._update.observe(state, x, dx)
         if self._mass is None:
             self._mass = self._first_mass_matrix(x)
-            self._cycle.rule.damping[:] = self.gains.kappa * self._mass
+            self._cycle.rule.k_d[:] = self.gains.kappa * self._mass
         omega = state.v[3:6]
-        u, value = self._cycle.answer(self._update.estimate, x, dx, omega, self._wheels.momentum, reference)
-        desk = self._cycle.desk
+        u, value = self._cycle.control(self._update.estimate, x, dx, omega, self._wheels.momentum, reference)
+        work = self._cycle.workspace
         blocks = {**self._error_blocks(), "lyapunov_function": value, **self._update.blocks()}
-        self._update.track(desk.rows, desk.entailed)
+        self._update.track(work.Y, work.sigma_full)
         self._start = x, dx, omega
         return u, blocks
 
-    def hold(self, command: Command, *, own: bool) -> None:
-        """What acts from now on, for the update and for the wheels."""
+    def on_applied(self, command: Command, *, own: bool) -> None:
+        """The wheels take up every torque; the update needs the command of periods that began with ``compute``."""
         wrench = np.array(command.wrench)
-        middle = self._wheels.hold(wrench[3:], self.control_period)
-        self._update.hold(Held(*self._start, middle, wrench))
-
-    def stand_by(self, command: Command) -> None:
-        """The wheels take up what others command, too."""
-        self._wheels.hold(np.array(command.wrench[3:]), self.control_period)
+        middle = self._wheels.apply(wrench[3:], self.control_period)
+        if self._start is not None:
+            self._update.begin(PeriodStart(*self._start, middle, wrench))
+        self._start = None
 
     def _first_mass_matrix(self, x: Vector) -> Vector:
         matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)
@@ -168,11 +167,11 @@ class Adaptive(Law):
             )
 
     def _error_blocks(self) -> dict[str, Vector]:
-        desk, shown, turn = self._cycle.desk, self._cycle.shown, 3 - self._first
-        error = desk.error[shown]
+        work, order, rotation = self._cycle.workspace, self._cycle.order, 3 - self._first
+        e = work.e[order]
         blocks = {
-            "euler_error": error[turn : turn + 3],
-            "joint_error": error[turn + 3 :],
-            "sliding_variable": desk.sigma[shown],
+            "euler_error": e[rotation : rotation + 3],
+            "joint_error": e[rotation + 3 :],
+            "sliding_variable": work.sigma[order],
         }
-        return blocks if self._first else {"position_error": error[:3], **blocks}
+        return blocks if self._first else {"position_error": e[:3], **blocks}

@@ -1,4 +1,4 @@
-"""Recursive least squares whose covariance cannot lose positive definiteness, with a reset when the world changes."""
+"""Recursive least squares whose covariance cannot lose positive definiteness, with a reset on improbable data."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from math import inf, isfinite
 
 import numpy as np
 
-from space_robot_control.laws.adaptive.kernel.least_squares import learn, spread
+from space_robot_control.laws.adaptive.kernel.least_squares import correct, covariance_times
 from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Vector
 
-BLOW_UP = 1e3  # times the trace that the covariance started with
+MAX_GROWTH = 1e3  # of the trace of the covariance, over that of its start
 
 
 class RecursiveLeastSquares:
@@ -22,7 +22,7 @@ class RecursiveLeastSquares:
 
     which is Potter's form of (40), (41): G stays positive semidefinite whatever the rounding. There is no forgetting:
     with directions that are never excited the covariance would grow without bound. Instead, when the innovation
-    y - Y pi is improbably large several times in a row, the covariance starts anew at the present estimate.
+    y - Y pi is improbably large several times in a row, the covariance is reset, at the present estimate.
 
     Args:
         spread: (P,) standard deviation of the start.
@@ -32,7 +32,7 @@ class RecursiveLeastSquares:
     Attributes:
         covariance_trace: of ``covariance``.
         resets: so far.
-        surprise: nu^T S^-1 nu per row of the last update; 1 on average for noise as large as announced [-].
+        surprise: nu^T S^-1 nu per row of the last update; 1 on average if the noise is as large as stated [-].
 
     Reference: Liu, Teng, Jin (2023), (39)-(41); Bierman, Factorization Methods for Discrete Sequential Estimation,
     1977, sec. II.3.
@@ -41,8 +41,8 @@ class RecursiveLeastSquares:
     def __init__(self, spread: Vector, threshold: float, samples: int) -> None:
         self._spread, self._threshold, self._samples = spread, threshold, samples
         self.covariance_trace = 0.0
-        self._begin()
-        self._largest = BLOW_UP * self.covariance_trace
+        self._restart()
+        self._largest = MAX_GROWTH * self.covariance_trace
         self._memory = np.empty((2, spread.size))
         self.resets = 0
         self.surprise = 0.0
@@ -61,10 +61,10 @@ class RecursiveLeastSquares:
         values = np.linalg.svd(self._root / self._spread[:, None], compute_uv=False)
         return float((values[0] / values[-1]) ** 2) if values[-1] > 0.0 else inf
 
-    def spread_along(self, direction: Vector) -> Vector:
+    def covariance_times(self, direction: Vector) -> Vector:
         """Return G d (P,) without forming G."""
         out = np.empty(direction.size)
-        spread(self._root, direction, self._memory[0], out)
+        covariance_times(self._root, direction, self._memory[0], out)
         return out
 
     def correct(self, estimate: Vector, rows: Vector, values: Vector) -> tuple[Vector, Vector]:
@@ -79,24 +79,24 @@ class RecursiveLeastSquares:
             ControlError: the covariance is no longer finite, or has blown up.
         """
         corrected, innovation = np.array(estimate), np.empty(values.size)
-        surprise, self.covariance_trace, variances = learn(
+        surprise, self.covariance_trace, variances = correct(
             rows, values, self._root, corrected, innovation, self._memory
         )
         self.surprise = surprise / values.size
-        self._watch(variances)
+        self._check(variances)
         return corrected, innovation
 
-    def _begin(self) -> None:
+    def _restart(self) -> None:
         self._root = np.diag(self._spread)
         self.covariance_trace = float(self._spread @ self._spread)
         self._improbable = 0
 
-    def _watch(self, variances: float) -> None:
+    def _check(self, variances: float) -> None:
         trace = float(self.covariance_trace)
         if not isfinite(variances + trace) or trace > self._largest:
             accepted = f"finite, below {self._largest:.3g}"
             raise ControlError("the covariance has blown up", key="covariance_trace", value=trace, accepted=accepted)
         self._improbable = self._improbable + 1 if self.surprise > self._threshold else 0
         if self._improbable >= self._samples:
-            self._begin()
+            self._restart()
             self.resets += 1

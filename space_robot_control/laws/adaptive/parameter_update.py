@@ -1,4 +1,4 @@
-"""The estimate of the inertial parameters and what moves it: RLS on the last period, Lyapunov's update, or both."""
+"""The estimate of the inertial parameters and its update: RLS on the last period, the Lyapunov update, or both."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from space_robot_control.command_limits import CommandLimits
 from space_robot_control.laws.adaptive.consistency import natural_step, project
 from space_robot_control.laws.adaptive.cycle import Cycle
 from space_robot_control.laws.adaptive.gains import AdaptiveGains
-from space_robot_control.laws.adaptive.kernel.consistency import judge
-from space_robot_control.laws.adaptive.kernel.least_squares import combine
-from space_robot_control.laws.adaptive.kernel.workspace import Held
+from space_robot_control.laws.adaptive.kernel.consistency import assess
+from space_robot_control.laws.adaptive.kernel.least_squares import transpose_times
+from space_robot_control.laws.adaptive.kernel.workspace import PeriodStart
 from space_robot_control.laws.adaptive.least_squares import RecursiveLeastSquares
 from space_robot_control.laws.base import Blocks
 from space_robot_description.robot import Robot
@@ -25,7 +25,7 @@ class ParameterUpdate:
 
     RLS takes one row per actuated degree of freedom and period: state at the middle of the period, x'' from differenced
     rates, effort as measured, base torque as commanded. A period whose base command is beyond the nominal actuators is
-    left out, because nobody measured what acted.
+    left out, because the torque that acted is not known.
 
     Args:
         robot: the NOMINAL robot.
@@ -55,12 +55,12 @@ class ParameterUpdate:
         self._tracks = gains.update in ("lyapunov", "composite")
         self._step = cycle.rule.period * gains.tracking.gain
         self._gain = self._step * (size + gains.tracking.floor) ** 2
-        self._held: Held | None = None
+        self._start: PeriodStart | None = None
         self.estimate: Vector = np.array(prior if gains.consistency == "none" else project(prior))
-        _, _, self.consistent = judge(self.estimate)
+        _, _, self.consistent = assess(self.estimate)
 
     def observe(self, state: RobotState, x: Vector, dx: Vector) -> None:
-        """Learn from the period that ended in this state.
+        """RLS (39)-(41) on the period that ended in this state.
 
         Args:
             state: as measured.
@@ -68,54 +68,54 @@ class ParameterUpdate:
             dx: (6+n,) their rates.
 
         Raises:
-            ControlError: the estimate is lost: not finite, no mass left, covariance blown up.
+            ControlError: the estimate is unusable: not finite, without mass, covariance blown up.
         """
         self._learned = False
-        held = self._held
-        if self._rls is None or held is None:
+        start = self._start
+        if self._rls is None or start is None:
             return
-        if not self._limits.base_fits(held.wrench):
+        if not self._limits.base_fits(start.wrench):
             self._innovation = np.zeros(self._noise.size)
             return
-        rows, values = self._cycle.middle(self.estimate, held, x, dx, state)
-        estimate, innovation = self._rls.correct(self.estimate, rows, values)
+        Y, tau = self._cycle.regression(self.estimate, start, x, dx, state)
+        estimate, innovation = self._rls.correct(self.estimate, Y, tau)
         self._innovation, self._learned = innovation * self._noise, True
         self._accept(estimate)
 
-    def track(self, regressor: Vector, sigma: Vector) -> None:
-        """Learn from the tracking error by (44): pi_hat' = Gamma Y^T sigma.
+    def track(self, Y: Vector, sigma: Vector) -> None:
+        """The Lyapunov update (44): pi_hat' = Gamma Y^T sigma.
 
         Args:
-            regressor: (6+n, 10 (1+n)) Y of the command.
-            sigma: (6+n,) sliding variable with the translation it entails.
+            Y: (6+n, 10 (1+n)) regressor of the command.
+            sigma: (6+n,) sliding variable with eliminated translation.
 
         Raises:
-            ControlError: the estimate is lost.
+            ControlError: the estimate is unusable.
         """
         if not self._tracks:
             return
         gradient = np.empty(self.estimate.size)
-        combine(regressor, sigma, gradient)
+        transpose_times(Y, sigma, gradient)
         if self._gains.consistency == "natural":
             self._accept(natural_step(self.estimate, gradient, self._step))
         elif self._rls is not None:
-            self._accept(self.estimate + self._step * self._rls.spread_along(gradient))
+            self._accept(self.estimate + self._step * self._rls.covariance_times(gradient))
         else:
             self._accept(self.estimate + self._gain * gradient)
 
-    def hold(self, held: Held) -> None:
-        """Remember what the next period starts with."""
-        self._held = held
+    def begin(self, start: PeriodStart) -> None:
+        """Take note of the period that begins."""
+        self._start = start
 
     def pause(self) -> None:
-        """Others command for a while: nothing is learned from the period that is under way."""
-        self._held = None
+        """Leave out the present period: another law commands."""
+        self._start = None
 
     def blocks(self) -> Blocks:
         """Telemetry of the update; the labels depend on the gains only."""
         out: dict[str, Vector | float] = {"parameters": self.estimate, "consistent": float(self.consistent)}
         if self._rls is not None:
-            out["innovation"] = self._innovation[self._cycle.shown]
+            out["innovation"] = self._innovation[self._cycle.order]
             out["surprise"] = self._rls.surprise
             out["covariance_trace"] = self._rls.covariance_trace
             out["resets"] = float(self._rls.resets)
@@ -132,12 +132,12 @@ class ParameterUpdate:
         return out
 
     def _accept(self, estimate: Vector) -> None:
-        finite, mass, possible = judge(estimate)
+        finite, mass, possible = assess(estimate)
         if not finite:
             raise ControlError("the parameter estimate is not finite", key="parameters", accepted="finite numbers")
         if self._gains.consistency == "project" and not possible:
             estimate = project(estimate)
-            _, mass, possible = judge(estimate)
+            _, mass, possible = assess(estimate)
         self.estimate, self.consistent = estimate, possible
         if mass <= 0.0:
             raise ControlError(

@@ -1,4 +1,4 @@
-"""What the adaptive law says before a flight: is the sampled loop stable along this path, and where would it be."""
+"""Review of the adaptive law before a run: is the sampled loop stable along this path, and for which gains."""
 
 from __future__ import annotations
 
@@ -56,12 +56,12 @@ class AdaptiveReview:
         return Review(
             facts,
             (
-                f"the sampled loop is unstable: Lambda = {self._said()} with kappa = {self._gains.kappa:g} and "
+                f"the sampled loop is unstable: Lambda = {self._lambda_text()} with kappa = {self._gains.kappa:g} and "
                 f"T = {self._period:g} s, stable for {allowed}",
             ),
         )
 
-    def _said(self) -> str:
+    def _lambda_text(self) -> str:
         one = self._lowest == self._highest
         return f"{self._lowest:g}" if one else f"{self._lowest:g} to {self._highest:g}"
 

@@ -1,4 +1,4 @@
-"""The momentum in the reaction wheels and the torque it takes to turn them with the base."""
+"""Momentum of the reaction wheels, dead-reckoned from the commands."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from space_robot_msgs_py.interfaces import Vector
 class WheelMomentum:
     """Momentum h of the nominal wheels in the body frame, dead-reckoned from the commanded torque: h' = -torque.
 
-    A base that turns with omega feels -omega x h beside the commanded torque. No topic carries wheel speeds, so a
-    law that wants to know h integrates its own commands; what saturates does not count, what is lost by friction is
-    not known. Robots without wheels have h = 0.
+    On a base that turns with omega the torque -omega x h acts beside the commanded one. No topic carries wheel speeds,
+    so h is the integral of the applied commands; saturation and friction of the wheels are not in it. Robots without
+    wheels have h = 0.
 
     Args:
         robot: the NOMINAL robot.
-        known: false: the law ignores the wheels' momentum, h = 0.
+        known: false: the law neglects the wheels' momentum, h = 0.
 
     Attributes:
         momentum: (3,) h at the present stamp [N m s].
@@ -33,8 +33,8 @@ class WheelMomentum:
             axes /= np.linalg.norm(axes, axis=1, keepdims=True)
             self.momentum = np.array(wheels.initial_momentum) @ axes
 
-    def hold(self, torque: Vector, seconds: float) -> Vector:
-        """Go on to the end of a torque (3,) [N m] on the base for that long [s]; returns h (3,) in the middle of it."""
+    def apply(self, torque: Vector, seconds: float) -> Vector:
+        """Integrate a torque (3,) [N m] on the base over a time [s]; returns h (3,) in the middle of it."""
         if not self._present:
             return self.momentum
         half = 0.5 * seconds * torque

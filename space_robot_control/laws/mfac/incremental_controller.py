@@ -33,9 +33,9 @@ class IncrementalController:
     phi = phi_{Ly+1} is the derivative by the input; the first sum runs over the Ly increments of the outputs, the
     second over the Lu - 1 earlier increments of the input.
 
-    The increment is kept in two parts: what answers the error adds up to an integral, what answers increments adds up
-    to a proportional part. At its limit a channel freezes the integral that would push it further and keeps the
-    proportional part, so that it leaves the limit when the outputs say so and not when an integral has run empty.
+    The increment is kept in two parts: the response to the error sums up to an integral, the response to increments to
+    a proportional part. At its limit a channel freezes the integral that would push it further and keeps the
+    proportional part, so that it leaves the limit when the outputs demand it and not when an integral has unwound.
 
     Args:
         weights: rho, kappa, control.
@@ -65,7 +65,7 @@ class IncrementalController:
         self._proportional, self._integral, self._command = zero, zero, zero
         self.saturated = np.zeros(zero.size, dtype=bool)
 
-    def weigh(self, weights: Weights) -> None:
+    def set_weights(self, weights: Weights) -> None:
         """Go on with other rho, kappa or control weight; the orders stay."""
         self._weights = weights
 
@@ -101,11 +101,11 @@ class IncrementalController:
         self._accumulate(step[:, 0], step[:, 1])
         return self._command
 
-    def _solve(self, phi: Vector, wanted: Vector) -> Vector:
+    def _solve(self, phi: Vector, change: Vector) -> Vector:
         share = np.broadcast_to(1.0 + np.asarray(self._weights.kappa), self._limit.shape)
         weighted = (phi.T * share) @ phi + self._weights.control * np.eye(self._limit.size)
         try:
-            step: Vector = np.array(np.linalg.solve(weighted, phi.T @ wanted))
+            step: Vector = np.array(np.linalg.solve(weighted, phi.T @ change))
         except np.linalg.LinAlgError:
             raise ControlError("lambda + phi^T phi has no inverse", key="phi", value=phi.tolist()) from None
         if not np.isfinite(step).all():
@@ -114,9 +114,9 @@ class IncrementalController:
 
     def _accumulate(self, integral: Vector, proportional: Vector) -> None:
         self._proportional = self._proportional + proportional
-        wished = self._proportional + self._integral + integral
-        outside = np.abs(wished) > self._limit
-        frozen = outside & (np.sign(integral) == np.sign(wished))
+        desired = self._proportional + self._integral + integral
+        outside = np.abs(desired) > self._limit
+        frozen = outside & (np.sign(integral) == np.sign(desired))
         self._integral = self._integral + np.where(frozen, 0.0, integral)
         command = np.clip(self._proportional + self._integral, -self._limit, self._limit)
         self._du.appendleft(command - self._command)

@@ -1,4 +1,4 @@
-"""The initial value of the data mapping model, from the first seconds of inputs and outputs (19)-(22)."""
+"""The initial value Phi(1) from the first seconds (19)-(22): inputs that excite, and the fit of what the outputs do."""
 
 from __future__ import annotations
 
@@ -10,13 +10,56 @@ from space_robot_msgs_py.interfaces import Vector
 
 
 @dataclass(frozen=True, eq=False, slots=True)
+class Push:
+    """All inputs at once, each towards its target: the beginning of a step response.
+
+    Attributes:
+        ticks: control periods.
+        size: (m,) of the push.
+    """
+
+    ticks: int
+    size: Vector
+
+    def at(self, tick: int, error: Vector) -> Vector:
+        """(m,) input at a tick; ``error`` (m,) is that of the first tick."""
+        del tick
+        return self.size * np.sign(error)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Pulses:
+    """+, -, -, + on one input after the other: it ends at rest where it began.
+
+    Attributes:
+        quarter: control periods of one sign.
+        size: (m,) of the pulses.
+    """
+
+    quarter: int
+    size: Vector
+
+    @property
+    def ticks(self) -> int:
+        """Control periods."""
+        return 4 * self.quarter * self.size.size
+
+    def at(self, tick: int, error: Vector) -> Vector:
+        """(m,) input at a tick."""
+        channel, phase = divmod(tick // self.quarter, 4)
+        out = np.zeros(error.size)
+        out[channel] = self.size[channel] * (1.0 if phase in (0, 3) else -1.0)
+        return out
+
+
+@dataclass(frozen=True, eq=False, slots=True)
 class Response:
-    """How the outputs accelerate under the inputs, y'' = B u.
+    """Acceleration of the outputs per input, y'' = B u.
 
     Attributes:
         gain: (m, m) B.
         deviation: (m, m) one standard deviation of each entry of B, from the residual of the fit and its correlation.
-            It knows noise and what the samples contradict, not a body that answers as if it were lighter.
+            It contains noise and misfit, not a systematic error, as of a grasp that slips under the push.
     """
 
     gain: Vector
@@ -42,8 +85,8 @@ class ResponseFit:
 
     Reference: Song et al. (2023), (19)-(22): M^-1 from inputs and outputs at the beginning.
 
-    Deviations from the paper: it takes the first sample, where noise makes the result useless; this takes all samples
-    of the first seconds and says how uncertain the result is.
+    Deviations from the paper: it takes the first sample, where noise makes the result useless; here all samples of the
+    first seconds are taken and the result has a deviation.
     """
 
     def __init__(self, period: float, outputs: int, *, diagonal: bool) -> None:
@@ -57,14 +100,14 @@ class ResponseFit:
         self._outputs: list[Vector] = []
 
     def add(self, y: Vector, u: Vector) -> None:
-        """Take the outputs at a tick and the inputs that act from it on, for one period."""
+        """Add the outputs at a tick and the inputs that act from it on, for one period."""
         self._rows.append(np.concatenate([[1.0, len(self._rows) * self._period], self._travel]))
         self._outputs.append(np.array(y))
         self._travel = self._travel + self._period * (self._speed + 0.5 * self._period * u)
         self._speed = self._speed + self._period * u
 
     def solve(self) -> Response:
-        """Return B and its deviation; an entry that the samples do not tell has an infinite deviation."""
+        """Return B and its deviation; an entry that the samples do not determine has an infinite deviation."""
         rows, y, m = np.array(self._rows), np.array(self._outputs), self._m
         gain, deviation = np.zeros((m, m)), np.full((m, m), np.inf)
         if self._diagonal:
@@ -80,7 +123,7 @@ class ResponseFit:
 
 
 def _least_squares(rows: Vector, y: Vector) -> tuple[Vector, Vector]:
-    """Coefficients and their standard deviations; what cannot be told apart is 0 with an infinite deviation."""
+    """Coefficients and their standard deviations; what is not determined is 0 with an infinite deviation."""
     size = np.linalg.norm(rows, axis=0)
     freedom = rows.shape[0] - rows.shape[1]
     if freedom <= 0 or size.min() == 0.0 or np.linalg.cond(rows / size) > 1e8:
@@ -89,9 +132,9 @@ def _least_squares(rows: Vector, y: Vector) -> tuple[Vector, Vector]:
     coefficients = np.linalg.lstsq(scaled, y, rcond=None)[0]
     residual = y - scaled @ coefficients
     variance = float(residual @ residual) / freedom
-    # Neighbouring residuals that are alike count as fewer samples: what the model misses is no white noise.
-    alike = float(residual[1:] @ residual[:-1]) / max(float(residual @ residual), np.finfo(np.float64).tiny)
-    alike = min(max(alike, 0.0), 0.99)
-    variance *= (1.0 + alike) / (1.0 - alike)
+    # Correlated residuals count as fewer samples: a misfit is no white noise.
+    correlation = float(residual[1:] @ residual[:-1]) / max(float(residual @ residual), np.finfo(np.float64).tiny)
+    correlation = min(max(correlation, 0.0), 0.99)
+    variance *= (1.0 + correlation) / (1.0 - correlation)
     spread = np.sqrt(variance * np.diag(np.linalg.inv(scaled.T @ scaled)))
     return coefficients / size, spread / size

@@ -8,10 +8,9 @@ import numpy as np
 
 from space_robot_control.channels import BASE, Channels
 from space_robot_control.laws.base import Blocks, Law, Review
-from space_robot_control.laws.mfac.excitation import Pulses, Push
 from space_robot_control.laws.mfac.gains import MfacGains
 from space_robot_control.laws.mfac.incremental_controller import IncrementalController, Weights, weights_of
-from space_robot_control.laws.mfac.initial_value import Response, ResponseFit
+from space_robot_control.laws.mfac.initial_value import Pulses, Push, Response, ResponseFit
 from space_robot_control.laws.mfac.mapping import Mapping, Scales
 from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
 from space_robot_control.laws.mfac.tuning import Tuning, adjusted, review, tuning
@@ -80,10 +79,10 @@ class ModelFree(Law):
             raise SpecError("chosen in flight", key="controller.gains.adjust", value=True, accepted="false, to tune")
         self._tuning = tuning(gains, self.channels, self.control_period)
         if self._loop is not None:
-            self._loop.controller.weigh(_weights(gains, self._tuning))
+            self._loop.controller.set_weights(_weights(gains, self._tuning))
 
     def review(self, path: Sequence[Reference]) -> Review:
-        """Say where the sampled loop of each channel stands on the stability map; warn where it is unstable."""
+        """Find where the sampled loop of each channel stands on the stability map; warn where it is unstable."""
         response = self.channels.response(self._model, path[0].q)
         return review(self.gains, self.channels, self._tuning, response, self.control_period)
 
@@ -109,8 +108,8 @@ class ModelFree(Law):
         self._tick += 1
         return self.channels.spread(inputs), {**error_blocks(errors), **self._blocks(identifying)}
 
-    def hold(self, command: Command, *, own: bool) -> None:
-        """Of a period in which another law has a part nothing is learned."""
+    def on_applied(self, command: Command, *, own: bool) -> None:
+        """The estimator leaves out periods under another law's command."""
         if self._loop is not None:
             self._loop.own = own
 
@@ -130,10 +129,10 @@ class ModelFree(Law):
         return inputs
 
     def _begin(self) -> _Loop:
-        """Settle Phi(1), and from it what depends on it."""
+        """Set Phi(1), and what depends on it."""
         chosen = self._tuning
         if self._excitation is not None:
-            self._response, self._deviation = _believed(self._fit.solve(), self._response, self.gains.initial.trust)
+            self._response, self._deviation = _trusted(self._fit.solve(), self._response, self.gains.initial.trust)
         self._response = self.gains.initial.scale * self._response
         if self.gains.adjust:
             chosen = adjusted(np.diag(self._response), self._limit, self._start, self.control_period)
@@ -187,7 +186,7 @@ class _Loop:
         if self._begun:
             own = self._scales.output * (sensing.moved + lead * sensing.sped)
             if sensing.missing.any() or not self.own:
-                self.gradient.miss(self.controller.increment)
+                self.gradient.skip(self.controller.increment)
             else:
                 self.gradient.update(own, self.controller.increment)
         # The first increment counts from zero error: a run starts as if its reference had just jumped.
@@ -207,7 +206,7 @@ def _weights(gains: MfacGains, chosen: Tuning) -> Weights:
     return weights_of(gains.output_order, gains.input_order, chosen.rho, chosen.kappa, gains.control_weight)
 
 
-def _believed(found: Response, nominal: Vector, trust: float) -> tuple[Vector, Vector]:
+def _trusted(found: Response, nominal: Vector, trust: float) -> tuple[Vector, Vector]:
     """The fitted response where every diagonal entry is well enough known and positive, else the nominal one."""
     relative = found.relative
     if (relative <= trust).all() and (np.diag(found.gain) > 0.0).all():

@@ -12,7 +12,7 @@ from space_robot_msgs_py.interfaces import Vector
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Mapping:
-    """y'' = B u seen through the output of the law, once per period.
+    """Phi(1) of y'' = B u for the output of the law, once per period.
 
     Attributes:
         period: T [s].
@@ -30,7 +30,7 @@ class Mapping:
         """What one unit of du does to the outputs within a period, (m, m): T (c + T/2) B, of the position form T^2 B.
 
         With T^2 B the position form has the paper's (19), which lumps what a held command does in this period and the
-        next; with Lu > 1 the two are told apart, T^2/2 B each.
+        next; with Lu > 1 the two are separate, T^2/2 B each.
         """
         if self.lead is not None:
             return self.period * (self.lead + 0.5 * self.period)[:, None] * response

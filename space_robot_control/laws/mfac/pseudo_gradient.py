@@ -1,4 +1,4 @@
-"""The pseudo-partial derivative: a local linear model between increments, learned while it is used."""
+"""The pseudo-partial derivative Phi: a local linear model between increments, and its estimator."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 
-# A regressor shorter than this (in the outputs' and inputs' units) says nothing about the gradient.
-STILL = 1e-12
+# A regressor whose squared norm is less carries no information (in the units of outputs and inputs).
+MIN_NORM_SQUARED = 1e-12
 
 
 class PseudoGradient:
@@ -21,7 +21,7 @@ class PseudoGradient:
 
         Phi(k) = Phi(k-1) + sigma (dy(k) - Phi(k-1) dH(k-1)) dH(k-1)^T / (beta + |dH(k-1)|^2),
 
-    and starts again from Phi(1) where phi_{Ly+1} loses its direction: where an entry of diag(phi phi(1)^-1) falls below
+    and is reset to Phi(1) where phi_{Ly+1} loses its direction: where an entry of diag(phi phi(1)^-1) falls below
     ``floor``; for one channel, where it changes sign or becomes tiny.
 
     Args:
@@ -30,7 +30,7 @@ class PseudoGradient:
         input_order: Lu, at least 1.
         sigma: step size in [0, 2]; 0 freezes the estimate.
         beta: > 0, in the squared units of dH.
-        floor: share of Phi(1) below which the estimate is given up, in (0, 1).
+        floor: share of Phi(1) below which the estimate is reset, in (0, 1).
 
     Raises:
         SpecError: sizes that do not fit, or phi_{Ly+1}(1) without an inverse.
@@ -74,7 +74,7 @@ class PseudoGradient:
         self.resets = 0
 
     def update(self, dy: Vector, du: Vector) -> None:
-        """Learn from one period.
+        """Update Phi by one period, (17).
 
         Args:
             dy: (m,) increment of the outputs over the period that just ended, dy(k).
@@ -85,7 +85,7 @@ class PseudoGradient:
         self._dy.appendleft(np.array(dy))
         self.innovation = dy - self.estimate @ regressor
         size = float(regressor @ regressor)
-        if self._sigma == 0.0 or size < STILL:
+        if self._sigma == 0.0 or size < MIN_NORM_SQUARED:
             return
         self.estimate = self.estimate + self._sigma * np.outer(self.innovation, regressor) / (self._beta + size)
         share = np.einsum("ij,ji->i", self.estimate[:, self._gain], self._back)
@@ -93,7 +93,7 @@ class PseudoGradient:
             self.estimate = self._first.copy()
             self.resets += 1
 
-    def miss(self, du: Vector) -> None:
-        """A period whose increment of the outputs is not known: nothing is learned, the inputs are remembered."""
+    def skip(self, du: Vector) -> None:
+        """Pass over a period whose increment of the outputs is not known or not due to ``du``."""
         self._du.appendleft(np.array(du))
         self._dy.appendleft(self._dy[0])

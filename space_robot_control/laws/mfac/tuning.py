@@ -1,4 +1,4 @@
-"""How lead, kappa and rho are chosen, and where they stand on the stability map."""
+"""Choice of lead, kappa and rho, and their review on the stability map."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from space_robot_description.spec import expand
 from space_robot_msgs_py.interfaces import Vector
 
 DEFAULT_LEAD_PERIODS = 10.0
-# A channel that starts at its target has no step to size its loop by; it gets this time scale [control periods].
-SHORTEST_TAU = 60.0
+# [control periods]: time scale of a channel that starts at its target and has no step to size its loop by.
+MIN_TAU = 60.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -43,7 +43,7 @@ def tuning(gains: MfacGains, channels: Channels, period: float) -> Tuning:
 
 
 def adjusted(gain: Vector, limit: Vector, error: Vector, period: float) -> Tuning:
-    """Return a tuning for a step of this size with this authority: the paper's announced next step, as we read it.
+    """Return a tuning for a step of this size with this authority: the paper's announced next step, in our reading.
 
     tau = sqrt(|e| / (b u_max)) is the time scale of the fastest step; c = 0.65 tau leaves the limit in time, and the
     loop of z crosses over at 3 / tau, that is kappa = tau / (3 T) - 1, not below 1.
@@ -54,7 +54,7 @@ def adjusted(gain: Vector, limit: Vector, error: Vector, period: float) -> Tunin
         error: (m,) at the beginning.
         period: T [s].
     """
-    tau = np.maximum(np.sqrt(np.abs(error) / (np.abs(gain) * limit)), SHORTEST_TAU * period)
+    tau = np.maximum(np.sqrt(np.abs(error) / (np.abs(gain) * limit)), MIN_TAU * period)
     kappa = np.maximum(tau / (3.0 * period) - 1.0, 1.0)
     return Tuning(0.65 * tau, kappa, 0.25 / (1.0 + kappa))
 

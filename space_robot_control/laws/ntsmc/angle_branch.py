@@ -1,10 +1,10 @@
-"""Roll, pitch, yaw of a sequence of attitudes without jumps: angles that count turns."""
+"""Roll, pitch, yaw of a sequence of attitudes without jumps: unwrapped Euler angles."""
 
 from __future__ import annotations
 
 from math import copysign, cos, pi, remainder, sin, tau
 
-from space_robot_control.rotations import Floats, Three, to_rpy
+from space_robot_description.rotations import Floats, Three, to_rpy
 
 # [-]: at a |cos pitch| below this, roll and yaw are not told apart by a quaternion of doubles.
 LOCKED = 1e-7
@@ -15,19 +15,19 @@ def wrapped(angle: float) -> float:
     return remainder(angle, tau)
 
 
-def euler_rates(rpy: Floats, omega: Floats, smallest_cosine: float) -> Three:
+def euler_rates(rpy: Floats, omega: Floats, min_cosine: float) -> Three:
     """Return the derivatives of roll, pitch, yaw for a body rate: N(rpy)^-1 omega [rad/s].
 
     Args:
         rpy: roll, pitch, yaw [rad].
         omega: (3,) body rate [rad/s].
-        smallest_cosine: what |cos pitch| counts as where it is less.
+        min_cosine: lower bound of |cos pitch|, with its sign.
     """
     roll, pitch, _ = rpy
     wx, wy, wz = omega
     cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
-    if abs(cp) < smallest_cosine:
-        cp = copysign(smallest_cosine, cp)
+    if abs(cp) < min_cosine:
+        cp = copysign(min_cosine, cp)
     yaw_rate = (sr * wy + cr * wz) / cp
     return wx + yaw_rate * sp, cr * wy - sr * wz, yaw_rate
 

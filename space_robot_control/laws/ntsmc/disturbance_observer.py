@@ -1,4 +1,4 @@
-"""Time-delay estimation of what the nominal model missed in the last period."""
+"""Time-delay estimation of the acceleration that the nominal model did not explain in the last period."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class DisturbanceObserver:
     """d <- d + share ((v_k - v_{k-1}) / T - a_{k-1} - d), a what the last command causes in the nominal model.
 
     With an inertia M the residual is (M^-1 M0 - I) a: the loop through d contracts only while M0 is near M, so that a
-    payload that is roughly known is estimated away and an unknown one of the arm's own weight diverges.
+    roughly known payload is compensated and an unknown one of the arm's own mass makes it diverge.
 
     Args:
         share: of the newest residual, in [0, 1]; 0: the estimate stays zero.

@@ -11,9 +11,9 @@ from pydantic import Field, PositiveFloat
 from space_robot_control.laws.ntsmc.angle_branch import AngleBranch, euler_rates, wrapped
 from space_robot_control.laws.ntsmc.gains import SlidingGains
 from space_robot_control.laws.ntsmc.terminal_sliding import TerminalSliding
-from space_robot_control.rotations import Three, rpy_rates
 from space_robot_control.tracking import TrackingErrors
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import Three, rpy_rates
 from space_robot_description.spec import Three as ThreeNumbers
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
@@ -65,11 +65,11 @@ class NtsmcEuler(TerminalSliding):
         self.reset()
 
     def reset(self) -> None:
-        """Forget K_hat, the disturbance estimate and the turns counted."""
+        """Forget K_hat, the disturbance estimate and the branch of the angles."""
         super().reset()
         roll, pitch, yaw = (radians(angle) for angle in self.gains.start_deg)
         self._actual, self._desired = AngleBranch((roll, pitch, yaw)), AngleBranch((0.0, 0.0, 0.0))
-        self._now: tuple[Three, Three] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        self._theta: tuple[Three, Three] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
     def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
         """Return the errors of roll, pitch, yaw, see ``TerminalSliding`` [rad]."""
@@ -84,9 +84,9 @@ class NtsmcEuler(TerminalSliding):
         if self.gains.angles == "wrapped":
             e = (wrapped(e[0]), wrapped(e[1]), wrapped(e[2]))
         rate = (rates[0] - rates_d[0], rates[1] - rates_d[1], rates[2] - rates_d[2])
-        self._now = theta, rates
+        self._theta = theta, rates
         return np.array((e, rate, rate, desired))
 
     def angular(self, state: RobotState, acceleration: Vector) -> Three:
         """Return N theta'' + N' theta'."""
-        return rpy_rates(*self._now, acceleration)[1]
+        return rpy_rates(*self._theta, acceleration)[1]

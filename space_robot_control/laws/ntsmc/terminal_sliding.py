@@ -1,4 +1,4 @@
-"""What the terminal sliding mode laws share: all but how they write the attitude of the base."""
+"""Terminal sliding mode laws without their representation of the attitude: what quaternion and Euler law share."""
 
 from __future__ import annotations
 
@@ -15,14 +15,13 @@ from space_robot_control.laws.ntsmc.gains import SlidingGains
 from space_robot_control.laws.ntsmc.kernel import sliding
 from space_robot_control.laws.ntsmc.kernel.sliding import DELTA, LOOP_GAIN, XI, S
 from space_robot_control.laws.ntsmc.kernel.terminal import DESIRED, accelerate, stack
-from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode
-from space_robot_control.laws.ntsmc.sliding_review import review_loop_gain
+from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode, review_loop_gain
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.rotations import cross
 from space_robot_control.tracking import TrackingErrors, error_blocks, tracking_errors
 from space_robot_description.kernel.cache import cached
 from space_robot_description.kernel.jit import ready
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import cross
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
 
@@ -35,9 +34,9 @@ class TerminalSliding(Law):
     Free-floating: no force acts on the base, so its translation has no sliding variable; it follows from the zero-force
     rows of the nominal model. Every (m) below is then 3+n instead of 6+n: rotation and joints, and so is x'.
 
-    Telemetry: the errors every law shows, ``sliding_variable`` s (m), ``sliding_excess`` Delta s (m), ``xi`` (m),
+    Telemetry: the errors every law has, ``sliding_variable`` s (m), ``sliding_excess`` Delta s (m), ``xi`` (m),
     ``adaptive_gain`` K_hat (m) [m/s2, rad/s2], ``eta_error`` [-], ``loop_gain`` (m) [-], ``command_unsaturated`` (6+n)
-    [N, N m], ``command_norm`` of it, ``command_saturated`` (1 where it was beyond the nominal actuators: what is sent
+    [N, N m], ``command_norm`` of it, ``command_saturated`` (1 where it was beyond the nominal actuators: the command
     fits, so the plant's own flags stay 0), ``disturbance_estimate`` d (6+n) [m/s2, rad/s2].
 
     Args:
@@ -76,11 +75,11 @@ class TerminalSliding(Law):
 
     @abstractmethod
     def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
-        """Return the base rotation as a representation of it sees it; may remember the branch it is on.
+        """Return the base rotation in the law's representation; may remember the branch it is on.
 
         Returns:
-            (4, 3): error, actual minus desired; what the sliding variable takes for its rate; the derivative of the
-            error; and the desired acceleration of the representation.
+            (4, 3): error, actual minus desired; its rate in the sliding variable; the derivative of the error; and the
+            desired acceleration of the representation.
         """
 
     @abstractmethod
@@ -107,8 +106,8 @@ class TerminalSliding(Law):
         e, rate, e_dot = self._stacked(state, rotation, errors)
         terms = self.sliding.terms(e, rate, e_dot, speed_squared)
         disturbance = self.observer.update(state.v)
-        wished = self._acceleration(state, rotation, errors.feedforward, terms) - disturbance
-        u, wished = self.model.actuated_inverse_dynamics(state.q, state.v, wished)
+        acceleration = self._acceleration(state, rotation, errors.feedforward, terms) - disturbance
+        u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, acceleration)
         saturated = not self.limits.fits(u)
         blocks = {
             **error_blocks(errors),
@@ -124,17 +123,17 @@ class TerminalSliding(Law):
             "disturbance_estimate": disturbance,
         }
         self.sliding.adapt(terms[XI], speed_squared, saturated=saturated)
-        # What a clipped command leads to is not known here; the estimate then waits.
-        self.observer.expect(None if saturated else wished)
-        return (self._fitted(state, u) if saturated else u), blocks
+        # The acceleration under a clipped command is not known here; the estimate then pauses.
+        self.observer.expect(None if saturated else acceleration)
+        return (self._within_limits(state, u) if saturated else u), blocks
 
-    def hold(self, command: Command, *, own: bool) -> None:
-        """What another law has a part in leads to what is not known here; the disturbance estimate then waits."""
+    def on_applied(self, command: Command, *, own: bool) -> None:
+        """The acceleration under another law's command is not known here; the disturbance estimate then pauses."""
         if not own:
             self.observer.expect(None)
 
     def review(self, path: Sequence[Reference]) -> Review:
-        """Judge the loop gain per DoF at the rates the start error will lead to, before flying."""
+        """Judge the loop gain per DoF at the rates that the start error leads to."""
         self.reset()
         start, reference = path[0], path[1]
         state = RobotState(reference.stamp, start.q, start.v, np.zeros(self.n), np.zeros(3))
@@ -156,7 +155,7 @@ class TerminalSliding(Law):
         out[3:6] = self.angular(state, turned)
         return out
 
-    def _fitted(self, state: RobotState, u: Vector) -> Vector:
+    def _within_limits(self, state: RobotState, u: Vector) -> Vector:
         """The command within the nominal limits; C0 is the u of x'' = 0."""
         if self.gains.saturation == "per_axis":
             return self.limits.per_axis(u)

@@ -177,7 +177,7 @@ def fly_with_losses(place: Path, experiment: str) -> Path:
         asked = reference.at(sample.state.stamp)
         if index % 7 == 3:
             # Nobody is there to answer, and who comes then starts anew.
-            law.start_anew()
+            law.reset_in_run()
             row = codec.encode_unanswered(sample, asked)
             due, late = late, None
         else:

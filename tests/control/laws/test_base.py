@@ -10,7 +10,7 @@ import pytest
 from pydantic import Field
 
 from space_robot_control.laws import Blocks, Law, law_class, law_names, make_law, registry
-from space_robot_control.laws.computed_torque import ComputedTorque
+from space_robot_control.laws.computed_torque.law import ComputedTorque
 from space_robot_control.laws.zero_command import ZeroCommand
 from space_robot_msgs_py.errors import CommandError, ControlError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector

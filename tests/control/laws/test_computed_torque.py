@@ -6,10 +6,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from space_robot_control import rotations as rot
 from space_robot_control.laws import Law, law_class, make_law
 from space_robot_control.references import make_reference
 from space_robot_control.sampled_stability import stability_margin
+from space_robot_description import rotations as rot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ReferenceSource, RobotState, Telemetry, Vector

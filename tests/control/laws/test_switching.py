@@ -159,30 +159,30 @@ def test_a_reset_flies_the_same_again() -> None:
     assert bits(flown(composition, law)) == bits(flown(composition, law))
 
 
-class Untold(Adaptive):
-    """An adaptive law that believes it alone commands."""
+class Uninformed(Adaptive):
+    """An adaptive law that takes its own command for the applied one."""
 
-    def answer(self, state: RobotState, reference: Reference) -> ControlOutput:
+    def control(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Keep what it would send."""
-        output = super().answer(state, reference)
-        self._own = output.command
+        output = super().control(state, reference)
+        self._own: Command | None = output.command
         return output
 
-    def hold(self, command: Command, *, own: bool) -> None:
-        """Take it for what is sent."""
-        super().hold(self._own, own=True)
+    def on_applied(self, command: Command, *, own: bool) -> None:
+        """Pass on the own command, where there is one."""
+        super().on_applied(self._own or command, own=True)
+        self._own = None
 
 
-def test_an_estimator_is_told_what_is_commanded() -> None:
-    """While it takes over, an exact model explains the motion; to a law that is not told it is a surprise."""
-    surprise = []
-    for law in ("adaptive", f"{__name__}:Untold"):
+def test_an_estimator_sees_the_applied_command() -> None:
+    """During a handover an exact model explains the motion; with its own command it does not."""
+    largest = []
+    for law in ("adaptive", f"{__name__}:Uninformed"):
         standby = f"{{learning: {{law: '{law}'}}}}, switches: [{{time: 20, to: learning}}], handover: 5.0"
         controller = f"controller={{law: pd, gains: {{bandwidth: 0.4}}, standby: {standby}}}"
         ticks = flown(composed("duration=25.0", controller, "plant.payload=null"))
-        told = [np.abs(tick.output.telemetry["learning.innovation"]).max() for tick in ticks[81:]]
-        surprise.append(max(told))
-    assert surprise[0] < 0.2 * surprise[1]
+        largest.append(max(np.abs(tick.output.telemetry["learning.innovation"]).max() for tick in ticks[81:]))
+    assert largest[0] < 0.2 * largest[1]
 
 
 def test_an_idle_law_counts_the_momentum_of_the_wheels() -> None:

@@ -11,9 +11,9 @@ import pytest
 
 from space_robot_control.references import make_reference
 from space_robot_control.references.tool_kinematics import tool_pose
-from space_robot_control.rotations import from_rpy, log, relative, rotate
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import from_rpy, log, relative, rotate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import ReferenceSource, Vector
 

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from space_robot_control import rotations as rot
 from space_robot_control.references import make_reference
 from space_robot_control.references.profile import quintic
 from space_robot_control.references.spline import RestToRestSpline
+from space_robot_description import rotations as rot
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, ReferenceSource, Vector
 from tests.support.robots import arm_model, robot_of
 

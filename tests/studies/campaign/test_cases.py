@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from space_robot_bringup.experiment.dotted_keys import set_key
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_control.rotations import from_rpy, log, matrix
+from space_robot_description.rotations import from_rpy, log, matrix
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError

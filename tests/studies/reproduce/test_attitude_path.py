@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.rotations import conjugate, exp, product
 from space_robot_description.load import load_robot
+from space_robot_description.rotations import conjugate, exp, product
 from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_studies.reproduce.attitude_path import axis_distances, path_ratio

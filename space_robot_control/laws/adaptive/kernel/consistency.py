@@ -1,4 +1,4 @@
-"""Can an estimate go on: is it finite, has it mass, and can its bodies exist."""
+"""Is an estimate usable: finite, with positive mass, its bodies physically possible."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from space_robot_msgs_py.interfaces import Vector
 
 
 @kernel
-def judge(parameters: Vector) -> tuple[bool, float, bool]:
+def assess(parameters: Vector) -> tuple[bool, float, bool]:
     """Return whether all of (10 B,) are finite, the mass of all bodies [kg], and whether every body can exist."""
     total = 0.0
     for value in parameters:
         total += value
     possible = True
     for k in range(0, parameters.shape[0], PER_BODY):
-        possible = possible and _can_exist(parameters[k : k + PER_BODY])
+        possible = possible and _is_possible(parameters[k : k + PER_BODY])
     return math.isfinite(total), total_mass(parameters), possible
 
 
 @inner
-def _can_exist(body: Vector) -> bool:
+def _is_possible(body: Vector) -> bool:
     """True if the pseudo-inertia is positive definite: the pivots of its Cholesky factorisation, the mass first."""
     mass, x, y, z = body[0], body[1], body[2], body[3]
     if not mass > 0.0:

@@ -9,7 +9,8 @@ from __future__ import annotations
 from math import atan2, cos, hypot, pi, sin, tau
 
 from space_robot_description.kernel.jit import inner, kernel
-from space_robot_description.kernel.spatial import Vec, add, cross, mul, rotation
+from space_robot_description.kernel.quaternion import attitude, matrix
+from space_robot_description.kernel.spatial import Vec, add, cross, mul
 from space_robot_msgs_py.interfaces import Vector
 
 YAW, PITCH, ROLL = 3, 4, 5
@@ -101,7 +102,7 @@ def coordinates(q: Vector, v: Vector, x: Vector, dx: Vector) -> None:
         short_way_in(total - difference),
     )
     droll, dpitch, dyaw = rates_in(rpy, (v[3], v[4], v[5]))
-    velocity = mul(rotation(a, b, c, d), (v[0], v[1], v[2]))
+    velocity = mul(matrix((a, b, c, d)), (v[0], v[1], v[2]))
     for i in range(3):
         x[i], dx[i] = q[i], velocity[i]
     x[ROLL], x[PITCH], x[YAW] = rpy
@@ -114,7 +115,7 @@ def coordinates(q: Vector, v: Vector, x: Vector, dx: Vector) -> None:
 def second_derivative(q: Vector, v: Vector, a: Vector, x: Vector, dx: Vector, ddx: Vector) -> None:
     """Write x'' (6+n,) [m/s2, rad/s2] of q, v, a = dv/dt whose x and x' are known."""
     omega, velocity = (v[3], v[4], v[5]), (v[0], v[1], v[2])
-    turn = rotation(q[3], q[4], q[5], q[6])
+    turn = matrix(attitude(q))
     linear = mul(turn, add((a[0], a[1], a[2]), cross(omega, velocity)))
     bend = accelerations_in(angles(x), angles(dx), omega, (a[3], a[4], a[5]))
     for i in range(3):

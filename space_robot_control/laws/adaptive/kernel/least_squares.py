@@ -13,7 +13,7 @@ from space_robot_msgs_py.interfaces import Vector
 
 
 @kernel
-def learn(
+def correct(
     rows: Vector, values: Vector, root: Vector, estimate: Vector, innovation: Vector, memory: Vector
 ) -> tuple[float, float, float]:
     """Correct estimate (P,) and root (P, P) by rows (m, P) and values (m,) of unit noise, in place.
@@ -38,7 +38,7 @@ def learn(
     for i in range(rows.shape[0]):
         innovation[i] = values[i] - dot_product(rows[i], estimate)
     for i in range(rows.shape[0]):
-        combine(root, rows[i], along)
+        transpose_times(root, rows[i], along)
         variance = 1.0 + dot_product(along, along)
         residual = values[i] - dot_product(rows[i], estimate)
         _shrink(root, along, 1.0 / (variance + sqrt(variance)), lift)
@@ -50,7 +50,7 @@ def learn(
 
 
 @kernel
-def combine(rows: Vector, weights: Vector, out: Vector) -> None:
+def transpose_times(rows: Vector, weights: Vector, out: Vector) -> None:
     """Write the sum (P,) of rows (m, P) times their weights (m,)."""
     for j in range(out.shape[0]):
         out[j] = 0.0
@@ -62,9 +62,9 @@ def combine(rows: Vector, weights: Vector, out: Vector) -> None:
 
 
 @kernel
-def spread(root: Vector, direction: Vector, along: Vector, out: Vector) -> None:
+def covariance_times(root: Vector, direction: Vector, along: Vector, out: Vector) -> None:
     """Write G d (P,) of G = L L^T without forming G; along (P,) is scratch."""
-    combine(root, direction, along)
+    transpose_times(root, direction, along)
     for k in range(root.shape[0]):
         out[k] = dot_product(root[k], along)
 

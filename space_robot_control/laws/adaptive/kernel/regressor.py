@@ -31,8 +31,8 @@ def slotine_li(
     dx_r: Vector,
     ddx_r: Vector,
     parameters: Vector,
-    falls: bool,
-    rows: Vector,
+    free_base: bool,
+    Y: Vector,
 ) -> None:
     """Write Y (6+n, P) with Y pi = M x_r'' + C(x, x') x_r'; the bodies are left with that motion.
 
@@ -44,22 +44,22 @@ def slotine_li(
         dx_r: (6+n,) x_r' [m/s, rad/s].
         ddx_r: (6+n,) x_r'' [m/s2, rad/s2].
         parameters: (P,) pi, P = 10 (1+n).
-        falls: x_r'' of the base is the given one and what it takes for no force on it, with these parameters.
-        rows: (6+n, P) receives Y.
+        free_base: x_r'' of the base is the given one and what it takes for no force on it, with these parameters.
+        Y: (6+n, P) receives Y.
     """
     place(tree, x, at)
     move(tree, dx, dx_r, ddx_r, at)
-    if falls:
-        _fall_freely(parameters, at)
-    rows[:] = 0.0
+    if free_base:
+        _let_base_float(parameters, at)
+    Y[:] = 0.0
     for body in range(tree.parent.shape[0]):
         motion = _in_body(at.bodies, body)
         bent = _bending(motion)
         for dof in range(BASE):
-            _fill(tree, at, body, dof, motion, bent, rows)
+            _fill(tree, at, body, dof, motion, bent, Y)
         node = body
         while node > 0:
-            _fill(tree, at, body, BASE + node - 1, motion, bent, rows)
+            _fill(tree, at, body, BASE + node - 1, motion, bent, Y)
             node = tree.parent[node]
 
 
@@ -73,7 +73,7 @@ def total_mass(parameters: Vector) -> float:
 
 
 @inner
-def _fall_freely(parameters: Vector, at: Places) -> None:
+def _let_base_float(parameters: Vector, at: Places) -> None:
     """Give the base the translation that needs no force, with these parameters (10 (1+n),)."""
     force = (0.0, 0.0, 0.0)
     for body in range(at.bodies.shape[0]):
@@ -131,7 +131,7 @@ def _bending(motion: Motion) -> Mat:
 
 
 @inner
-def _fill(tree: Tree, at: Places, body: int, dof: int, motion: Motion, bent: Mat, rows: Vector) -> None:
+def _fill(tree: Tree, at: Places, body: int, dof: int, motion: Motion, bent: Mat, Y: Vector) -> None:
     """One row of one body: how it moves with the degree of freedom, times what it needs."""
     turn, k = get9(at.bodies, body, TURN), PER_BODY * body
     along = get3(at.axes, dof, ALONG)
@@ -147,9 +147,9 @@ def _fill(tree: Tree, at: Places, body: int, dof: int, motion: Motion, bent: Mat
         own = _pairs(axis, alpha)
         first, second = _pairs(scaled(0.5, cross(axis, w)), r), _pairs(scaled(0.5, cross(axis, r)), w)
         for i in range(6):
-            rows[dof, k + 4 + i] = own[i] + first[i] + second[i]
-    rows[dof, k] = dot(pull, a)
-    rows[dof, k + 1], rows[dof, k + 2], rows[dof, k + 3] = moment
+            Y[dof, k + 4 + i] = own[i] + first[i] + second[i]
+    Y[dof, k] = dot(pull, a)
+    Y[dof, k + 1], Y[dof, k + 2], Y[dof, k + 3] = moment
 
 
 @inner

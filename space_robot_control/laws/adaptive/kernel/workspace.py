@@ -1,4 +1,4 @@
-"""What one cycle of the adaptive law works with: the law in numbers, the period that is held, and memory."""
+"""Data of one cycle of the adaptive law: the gains, the start of the last period, and work memory."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ MODEL, ACCELEROMETER, VELOCITY = 0, 1, 2  # where the acceleration of the base c
 
 
 class Rule(NamedTuple):
-    """The law in numbers; m = 6 + n - first.
+    """The law's gains as numbers; m = 6 + n - first.
 
     Attributes:
-        first: first actuated degree of freedom: 3 where the base translates freely, 0 where it is pushed.
+        first: first actuated degree of freedom: 3 on a free-floating base, 0 on a free-flying one.
         period: control period [s].
         half: half of it with lead, 0 without [s].
-        on_velocity: 1: Lambda weighs the rate of the error.
-        weight: (m,) Lambda.
-        damping: (m, m) K_D.
-        source: MODEL, ACCELEROMETER or VELOCITY, for learning.
+        on_velocity: 1: sigma = Lambda e' + e.
+        lambda_: (m,) Lambda.
+        k_d: (m, m) K_D.
+        source: MODEL, ACCELEROMETER or VELOCITY, of the regression.
         noise: (m,) standard deviation of the rows [N, N m].
     """
 
@@ -31,21 +31,21 @@ class Rule(NamedTuple):
     period: float
     half: float
     on_velocity: int
-    weight: npt.NDArray[np.float64]
-    damping: npt.NDArray[np.float64]
+    lambda_: npt.NDArray[np.float64]
+    k_d: npt.NDArray[np.float64]
     source: int
     noise: npt.NDArray[np.float64]
 
 
-class Held(NamedTuple):
-    """What a period starts with and what acts over it.
+class PeriodStart(NamedTuple):
+    """State at the start of a control period and the command applied over it.
 
     Attributes:
         x: (6+n,) Euler coordinates.
         dx: (6+n,) their rates.
         omega: (3,) body rate [rad/s].
         wheels: (3,) momentum of the wheels in the middle of the period, body frame [N m s].
-        wrench: (6,) commanded on the base, body frame [N, N m].
+        wrench: (6,) applied command on the base, body frame [N, N m].
     """
 
     x: npt.NDArray[np.float64]
@@ -55,8 +55,8 @@ class Held(NamedTuple):
     wrench: npt.NDArray[np.float64]
 
 
-class Desk(NamedTuple):
-    """Memory of a cycle: what is left on it is read by the law until the next one.
+class Workspace(NamedTuple):
+    """Results of a cycle, which the law reads until the next one, and scratch memory.
 
     Attributes:
         places: of the bodies.
@@ -65,14 +65,14 @@ class Desk(NamedTuple):
         x_d: (6+n,) desired.
         dx_d: (6+n,) desired.
         ddx_d: (6+n,) desired.
-        before: (7+n,) desired x'' of the cycle before, and 1 if there was one.
+        ddx_d_before: (7+n,) desired x'' of the cycle before, and 1 if there was one.
         dx_r: (6+n,) reference velocity.
         ddx_r: (6+n,) reference acceleration.
-        still: (6+n,) zeros.
-        error: (m,) desired minus actual.
+        zero: (6+n,) zeros.
+        e: (m,) desired minus actual.
         sigma: (m,) sliding variable.
-        entailed: (6+n,) sigma with the translation it entails.
-        rows: (6+n, P) regressor of the command.
+        sigma_full: (6+n,) sigma with eliminated translation: [sigma_p, sigma], sigma_p = -(M_pr sigma) / m_hat.
+        Y: (6+n, P) regressor.
     """
 
     places: Places
@@ -81,32 +81,32 @@ class Desk(NamedTuple):
     x_d: npt.NDArray[np.float64]
     dx_d: npt.NDArray[np.float64]
     ddx_d: npt.NDArray[np.float64]
-    before: npt.NDArray[np.float64]
+    ddx_d_before: npt.NDArray[np.float64]
     dx_r: npt.NDArray[np.float64]
     ddx_r: npt.NDArray[np.float64]
-    still: npt.NDArray[np.float64]
-    error: npt.NDArray[np.float64]
+    zero: npt.NDArray[np.float64]
+    e: npt.NDArray[np.float64]
     sigma: npt.NDArray[np.float64]
-    entailed: npt.NDArray[np.float64]
-    rows: npt.NDArray[np.float64]
+    sigma_full: npt.NDArray[np.float64]
+    Y: npt.NDArray[np.float64]
 
 
-def desk_for(joints: int, first: int) -> Desk:
+def workspace_for(joints: int, first: int) -> Workspace:
     """Memory for a robot with that many joints, whose first actuated degree of freedom is this one."""
     size = 6 + joints
-    return Desk(
+    return Workspace(
         places=places(joints),
         x=np.zeros(size),
         dx=np.zeros(size),
         x_d=np.zeros(size),
         dx_d=np.zeros(size),
         ddx_d=np.zeros(size),
-        before=np.zeros(size + 1),
+        ddx_d_before=np.zeros(size + 1),
         dx_r=np.zeros(size),
         ddx_r=np.zeros(size),
-        still=np.zeros(size),
-        error=np.zeros(size - first),
+        zero=np.zeros(size),
+        e=np.zeros(size - first),
         sigma=np.zeros(size - first),
-        entailed=np.zeros(size),
-        rows=np.zeros((size, PER_BODY * (1 + joints))),
+        sigma_full=np.zeros(size),
+        Y=np.zeros((size, PER_BODY * (1 + joints))),
     )

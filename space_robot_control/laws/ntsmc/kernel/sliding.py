@@ -1,4 +1,4 @@
-"""Terminal sliding mode of decoupled degrees of freedom; the words are those of ``laws.sliding``.
+"""Terminal sliding mode of decoupled degrees of freedom; the symbols are those of ``SlidingMode``.
 
 Reference: [Giordano and Cenedese 2023, sec. IV].
 """

@@ -1,13 +1,13 @@
-"""From tracking errors to the errors a terminal sliding mode drives to zero, and from its answer to accelerations.
+"""From tracking errors to the errors of the terminal sliding mode, and from its terms to accelerations.
 
-The words are those of ``laws.terminal_sliding`` and ``laws.ntsmc``: [Giordano and Cenedese 2023, sec. IV].
+The symbols are those of ``TerminalSliding`` and ``Ntsmc``: [Giordano and Cenedese 2023, sec. IV].
 """
 
 from __future__ import annotations
 
-from space_robot_control.kernel.quaternion import attitude, put, rotate, rotate_inverse, three
 from space_robot_control.laws.ntsmc.kernel.sliding import EQUIVALENT, REACHING
 from space_robot_description.kernel.jit import kernel
+from space_robot_description.kernel.quaternion import attitude, put, rotate, rotate_inverse, three
 from space_robot_description.kernel.spatial import add, cross, scaled, sub
 from space_robot_msgs_py.interfaces import Vector
 
@@ -16,7 +16,9 @@ E, RATE, E_DOT, DESIRED = range(4)
 
 
 @kernel
-def turn(q: Vector, v: Vector, q_d: Vector, a_d: Vector, quaternion: Vector, velocity: Vector, out: Vector) -> None:
+def rotation_errors(
+    q: Vector, v: Vector, q_d: Vector, a_d: Vector, quaternion: Vector, velocity: Vector, out: Vector
+) -> None:
     """Write the errors of the quaternion law in the inertial frame: rows e, rate, e_dot and desired of (4, 3).
 
     Args:
@@ -46,7 +48,7 @@ def stack(q: Vector, configuration: Vector, velocity: Vector, rotation: Vector, 
         q: (7+n,) of the state.
         configuration: (6+n,) of the tracking errors: desired minus actual.
         velocity: (6+n,) of the tracking errors.
-        rotation: (4, 3) see ``turn``.
+        rotation: (4, 3) see ``rotation_errors``.
         out: (3, m) written; m = 3+n: the translation is left out.
     """
     first = out.shape[1] - (velocity.shape[0] - 3)
@@ -63,7 +65,7 @@ def stack(q: Vector, configuration: Vector, velocity: Vector, rotation: Vector, 
 
 @kernel
 def accelerate(q: Vector, feedforward: Vector, desired: Vector, terms: Vector, turned: Vector, out: Vector) -> None:
-    """Write the derivative of v that gives x''_d + a2 + a3 for translation and joints, and x''_d + a2 + a3 of rotation.
+    """Write the derivative of v that gives x''_d + a2 + a3 for translation and joints, and that of the rotation apart.
 
     Args:
         q: (7+n,) of the state.

@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from space_robot_control import rotations as rot
 from space_robot_control.laws.adaptive.euler_coordinates import difference, euler_acceleration, euler_state
 from space_robot_control.laws.adaptive.kernel.euler import accelerations, body_torque, generalised_torque, rates
+from space_robot_description import rotations as rot
 from space_robot_msgs_py.interfaces import Reference
 
 RNG = np.random.default_rng(3)

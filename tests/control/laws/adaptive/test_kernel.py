@@ -12,19 +12,19 @@ import pytest
 from space_robot_bringup.modes import compilation as compiling
 from space_robot_control.laws.adaptive.cycle import Cycle
 from space_robot_control.laws.adaptive.euler_coordinates import difference, euler_acceleration, euler_state
-from space_robot_control.laws.adaptive.kernel.consistency import judge
-from space_robot_control.laws.adaptive.kernel.control import answer
-from space_robot_control.laws.adaptive.kernel.least_squares import spread
+from space_robot_control.laws.adaptive.kernel.consistency import assess
+from space_robot_control.laws.adaptive.kernel.control import control
+from space_robot_control.laws.adaptive.kernel.least_squares import covariance_times
 from space_robot_control.laws.adaptive.kernel.regressor import slotine_li
 from space_robot_control.laws.adaptive.kernel.tree import places, tree_of
-from space_robot_control.laws.adaptive.kernel.workspace import Held
+from space_robot_control.laws.adaptive.kernel.workspace import PeriodStart
 from space_robot_control.laws.adaptive.law import Adaptive
 from space_robot_control.laws.adaptive.regressor import Regressor
-from space_robot_control.laws.computed_torque import ComputedTorque
-from space_robot_control.rotations import from_rpy, rotate, rotate_inverse
+from space_robot_control.laws.computed_torque.law import ComputedTorque
 from space_robot_description.kernel import jit
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import from_rpy, rotate, rotate_inverse
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from tests.support.paths import ROOT
 from tests.support.robots import random_model, robot_of
@@ -93,61 +93,61 @@ def test_regressor_of_any_tree_is_pinocchios(seed: int) -> None:
     check_regressor(random_tree(seed), np.random.default_rng(seed))
 
 
-def expected_answer(
+def expected_control(
     cycle: Cycle, robot: Robot, pi: Vector, state: RobotState, wheels: Vector, reference: Reference
 ) -> tuple[Vector, Vector, float]:
-    """Command, entailed sigma and Lyapunov function as the equations of the law say, over Pinocchio; no lead."""
+    """Command, sigma with eliminated translation and Lyapunov function by equations over Pinocchio; no lead."""
     regressor, first, rule = Regressor(robot), cycle.rule.first, cycle.rule
     (x, dx), (x_d, dx_d) = euler_state(state), euler_state(reference)
     error, rate = difference(x_d, x)[first:], (dx_d - dx)[first:]
     dx_r, ddx_r = np.zeros((2, x.size))
     dx_r[first:], ddx_r[first:] = dx_d[first:], euler_acceleration(reference, x_d, dx_d)[first:]
     if rule.on_velocity:
-        sigma = rule.weight * rate + error
+        sigma = rule.lambda_ * rate + error
     else:
-        sigma = rate + rule.weight * error
-        dx_r[first:] += rule.weight * error
-        ddx_r[first:] += rule.weight * rate
-    rows, entailed = regressor.slotine_li(x, dx, dx_r, ddx_r), np.zeros(x.size)
-    entailed[first:] = sigma
+        sigma = rate + rule.lambda_ * error
+        dx_r[first:] += rule.lambda_ * error
+        ddx_r[first:] += rule.lambda_ * rate
+    rows, sigma_full = regressor.slotine_li(x, dx, dx_r, ddx_r), np.zeros(x.size)
+    sigma_full[first:] = sigma
     if first:
         mass, push = pi[::10].sum(), np.zeros(x.size)
         push[:3] = rows[:3] @ pi / -mass
         rows += regressor.inertia(x, push)
-        entailed[:3] = (regressor.inertia(x, entailed) @ pi)[:3] / -mass
+        sigma_full[:3] = (regressor.inertia(x, sigma_full) @ pi)[:3] / -mass
     force = rows @ pi
-    force[first:] += rule.damping @ sigma
+    force[first:] += rule.k_d @ sigma
     axes = np.array([about_axes(x, unit) for unit in np.eye(3)])  # omega = axes @ [yaw', pitch', roll']
     u = np.array([*force[:3], *np.linalg.solve(axes.T, force[3:6]), *force[6:]])
     u[:3] = 0.0 if first else rotate_inverse(from_rpy((x[5], x[4], x[3])), force[:3])
     u[3:6] += np.cross(state.v[3:6], wheels)
-    energy = entailed @ (regressor.inertia(x, entailed) @ pi)
-    return u, entailed, 0.5 * energy + (rule.weight * error) @ rule.damping @ error
+    energy = sigma_full @ (regressor.inertia(x, sigma_full) @ pi)
+    return u, sigma_full, 0.5 * energy + (rule.lambda_ * error) @ rule.k_d @ error
 
 
 @pytest.mark.parametrize("lambda_on", ["position", "velocity"])
 @pytest.mark.parametrize("name", SHIPPED)
 def test_command_is_that_of_the_equations_over_pinocchio(name: str, lambda_on: str) -> None:
-    """u, the translation that sigma entails and the Lyapunov function agree to 1e-12 in 20 random states each."""
+    """u, sigma with eliminated translation and the Lyapunov function agree to 1e-12 in 20 random states each."""
     robot, rng = load_robot(name), np.random.default_rng(8)
     gains = Adaptive.Gains.model_validate({"update": "none", "lambda": 0.7, "lambda_on": lambda_on})
     cycle, parameters = Cycle(robot, gains, PERIOD), Regressor(robot).parameters
     size = 6 + robot.n - cycle.rule.first
     for _ in range(20):
         root = rng.normal(size=(size, size))
-        cycle.rule.damping[:] = root @ root.T
+        cycle.rule.k_d[:] = root @ root.T
         pi = parameters * rng.uniform(0.8, 1.2, parameters.size)
         (state, reference), wheels = random_flight(rng, robot.n), rng.normal(size=3)
-        u, value = cycle.answer(pi, *euler_state(state), state.v[3:6], wheels, reference)
-        wanted_u, wanted_entailed, wanted_value = expected_answer(cycle, robot, pi, state, wheels, reference)
+        u, value = cycle.control(pi, *euler_state(state), state.v[3:6], wheels, reference)
+        wanted_u, wanted_sigma, wanted_value = expected_control(cycle, robot, pi, state, wheels, reference)
         assert off(u, wanted_u) < 1e-12
-        assert off(cycle.desk.entailed, wanted_entailed) < 1e-12
+        assert off(cycle.workspace.sigma_full, wanted_sigma) < 1e-12
         assert value == pytest.approx(wanted_value, rel=1e-12)
 
 
 @pytest.mark.parametrize("source", ["model", "accelerometer", "velocity"])
 @pytest.mark.parametrize("name", ["mini", "servicer"])
-def test_rows_that_teach_are_those_of_the_equations_over_pinocchio(name: str, source: str) -> None:
+def test_regression_is_that_of_the_equations_over_pinocchio(name: str, source: str) -> None:
     """Regressor and generalised force in the middle of a period agree to 1e-12, free-floating and free-flying."""
     robot, rng = load_robot(name), np.random.default_rng(9)
     rls = {"translation": source, "torque_noise": 0.02, "force_noise": 0.3}
@@ -161,8 +161,8 @@ def test_rows_that_teach_are_those_of_the_equations_over_pinocchio(name: str, so
             rng.normal(size=(2, 6)),
         )
         (x0, dx0), (x1, dx1) = euler_state(start), euler_state(end)
-        held = Held(x0, dx0, start.v[3:6], wheels[:3], wrench)
-        rows, values = cycle.middle(pi, held, x1, dx1, end)
+        period = PeriodStart(x0, dx0, start.v[3:6], wheels[:3], wrench)
+        rows, values = cycle.regression(pi, period, x1, dx1, end)
         x, dx, ddx = x0 + 0.5 * difference(x1, x0), 0.5 * (dx0 + dx1), (dx1 - dx0) / PERIOD
         if first:
             ddx[:3] = {"model": np.zeros(3), "velocity": ddx[:3]}.get(source, rotate(end.q[3:7], end.base_acceleration))
@@ -172,9 +172,9 @@ def test_rows_that_teach_are_those_of_the_equations_over_pinocchio(name: str, so
             wanted += regressor.inertia(x, push)
         torque = wrench[3:] - np.cross(0.5 * (start.v[3:6] + end.v[3:6]), wheels[:3])
         turn = from_rpy((x[5], x[4], x[3]))
-        acted = [*rotate(turn, wrench[:3]), *about_axes(x, torque), *end.effort]
+        applied = [*rotate(turn, wrench[:3]), *about_axes(x, torque), *end.effort]
         assert off(rows, wanted[first:] / cycle.rule.noise[:, None]) < 1e-12
-        assert off(values, np.array(acted)[first:] / cycle.rule.noise) < 1e-12
+        assert off(values, np.array(applied)[first:] / cycle.rule.noise) < 1e-12
 
 
 def about_axes(x: Vector, torque: Vector) -> Vector:
@@ -184,31 +184,31 @@ def about_axes(x: Vector, torque: Vector) -> Vector:
     return np.array([np.dot(rotate_inverse(turn, yaw), torque), np.dot(rotate_inverse(turn, pitch), torque), torque[0]])
 
 
-def test_spread_is_the_covariance_times_a_direction() -> None:
+def test_covariance_times_a_direction_needs_no_covariance() -> None:
     """G d without forming G."""
     rng = np.random.default_rng(10)
     root, direction, out = rng.normal(size=(30, 30)), rng.normal(size=30), np.empty(30)
-    spread(root, direction, np.empty(30), out)
+    covariance_times(root, direction, np.empty(30), out)
     assert off(out, root @ root.T @ direction) < 1e-13
 
 
-def test_an_estimate_is_judged_by_all_its_numbers() -> None:
+def test_an_estimate_is_assessed_by_all_its_numbers() -> None:
     """One infinite or missing number is found wherever it stands; the mass is the sum of all bodies."""
     good = np.array(Regressor(load_robot("mini")).parameters)
-    finite, mass, possible = judge(good)
+    finite, mass, possible = assess(good)
     assert (finite, possible) == (True, True)
     assert mass == pytest.approx(36.4, rel=1e-15)
     for k in range(good.size):
         for lost in (np.nan, np.inf, -np.inf):
             bad = np.array(good)
             bad[k] = lost
-            assert judge(bad)[0] is False
+            assert assess(bad)[0] is False
 
 
 @pytest.mark.skipif(not jit.COMPILED, reason="numba is not installed")
 def test_cache_watches_every_source_of_the_cycle() -> None:
     """The cached machine code is tied to the law's kernel folder and to the one shared with the plant."""
-    compiled: Any = answer
+    compiled: Any = control
     assert compiled._cache._cache_file._source_stamp == jit.digest(compiled.py_func)
     assert jit.digest(compiled.py_func) != jit.digest(jit.kernel)
 
@@ -254,13 +254,13 @@ def test_another_law_neither_compiles_nor_loads_this_one() -> None:
 WITHOUT_NUMBA = """
 import sys
 sys.modules["numba"] = None
-from tests.unit.test_kernel_adaptive import commands
+from tests.control.laws.adaptive.test_kernel import commands
 print(*(number.hex() for number in commands()))
 """
 
 
 def commands() -> list[float]:
-    """Commands and estimates of a few cycles of the law with everything switched on, slow to believe the states."""
+    """Commands and estimates of a few cycles of the law with everything switched on, slow to follow the states."""
     robot, rng = load_robot("mini"), np.random.default_rng(11)
     gains = {"update": "composite", "lead": True, "rls": {"torque_noise": 1.0}, "tracking": {"gain": 10.0}}
     law = Adaptive(robot, PERIOD, Adaptive.Gains.model_validate(gains))

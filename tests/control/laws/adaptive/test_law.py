@@ -15,10 +15,10 @@ from space_robot_control.laws import make_law
 from space_robot_control.laws.adaptive.euler_coordinates import euler_state
 from space_robot_control.laws.adaptive.regressor import Regressor
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.rotations import from_rpy
 from space_robot_control.sampled_stability import stable_lambda
 from space_robot_description.inertia import inertial_parameters
 from space_robot_description.load import load_robot
+from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Tick, Vector
 from space_robot_msgs_py.log.writer import MemorySink

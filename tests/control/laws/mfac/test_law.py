@@ -12,11 +12,11 @@ from space_robot_control.laws import make_law
 from space_robot_control.laws.mfac.law import ModelFree
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.references import make_reference
-from space_robot_control.rotations import from_rpy
 from space_robot_control.sensing import FilterSpec, Sensing
 from space_robot_control.tracking import tracking_errors
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from tests.control.laws.test_computed_torque import errors, fly

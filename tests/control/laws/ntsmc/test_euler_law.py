@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from space_robot_control import rotations as rot
 from space_robot_control.laws import make_law
 from space_robot_control.laws.ntsmc.angle_branch import AngleBranch, euler_rates, wrapped
 from space_robot_control.laws.ntsmc.euler_law import NtsmcEuler
 from space_robot_control.laws.ntsmc.kernel.terminal import E
 from space_robot_control.references import make_reference
 from space_robot_control.tracking import tracking_errors
+from space_robot_description import rotations as rot
 from space_robot_msgs_py.interfaces import Reference, RobotState
 from tests.control.laws.test_computed_torque import errors, fly, start
 from tests.support.robots import arm_model, random_state, robot_of

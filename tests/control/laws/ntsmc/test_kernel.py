@@ -8,9 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from space_robot_control import rotations as rot
 from space_robot_control.laws import make_law
 from space_robot_control.tracking import tracking_errors
+from space_robot_description import rotations as rot
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.interfaces import Reference, RobotState
 from tests.support.paths import ROOT
@@ -19,7 +19,7 @@ from tests.support.robots import random_state
 WITHOUT_NUMBA = """
 import sys
 sys.modules["numba"] = None
-from tests.unit.test_kernel_sliding import commands
+from tests.control.laws.ntsmc.test_kernel import commands
 print(*(number.hex() for number in commands()))
 """
 

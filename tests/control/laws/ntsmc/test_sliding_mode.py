@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from space_robot_control.laws import make_law
 from space_robot_control.laws.ntsmc.gains import SlidingGains
 from space_robot_control.laws.ntsmc.kernel.sliding import EQUIVALENT, LOOP_GAIN, REACHING, XI, S
-from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode
-from space_robot_control.laws.ntsmc.sliding_sampling import cycle_rate, loop_gain
+from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode, cycle_rate, loop_gain
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 from tests.support.robots import arm_model, robot_of

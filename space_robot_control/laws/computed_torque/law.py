@@ -1,4 +1,4 @@
-"""Computed torque, the honest baseline: feed-forward and PD in task coordinates, nominal inverse dynamics."""
+"""Computed torque, the baseline: feed-forward and PD in task coordinates, nominal inverse dynamics."""
 
 from __future__ import annotations
 
@@ -77,8 +77,8 @@ class ComputedTorque(Law):
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class."""
         errors = tracking_errors(state, reference)
-        wished = errors.feedforward + self._kd * errors.velocity + self._kp * errors.configuration
-        u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, wished)
+        acceleration = errors.feedforward + self._kd * errors.velocity + self._kp * errors.configuration
+        u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, acceleration)
         return u, {**error_blocks(errors), "acceleration_command": acceleration}
 
 

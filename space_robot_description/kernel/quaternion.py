@@ -1,11 +1,14 @@
-"""Unit quaternions (x, y, z, w) for kernels: functions of ``rotations`` under the same names."""
+"""Unit quaternions (x, y, z, w) for kernels: the text of ``space_robot_description.rotations`` under the same names.
+
+Equal to the bit but for ``log``, whose length numba cannot take by ``hypot``; a test holds the two together.
+"""
 
 from __future__ import annotations
 
 from math import atan2, sqrt
 
 from space_robot_description.kernel.jit import inner
-from space_robot_description.kernel.spatial import Vec
+from space_robot_description.kernel.spatial import Mat, Vec
 from space_robot_msgs_py.interfaces import Vector
 
 Quat = tuple[float, float, float, float]
@@ -13,7 +16,7 @@ Quat = tuple[float, float, float, float]
 
 @inner
 def attitude(q: Vector) -> Quat:
-    """The quaternion of a configuration (7+n,)."""
+    """The quaternion of a configuration (7+n,), or of a state that begins with one."""
     return q[3], q[4], q[5], q[6]
 
 
@@ -54,6 +57,36 @@ def rotate(q: Quat, r: Vec) -> Vec:
 def rotate_inverse(q: Quat, r: Vec) -> Vec:
     """R(q)^T r."""
     return rotate((-q[0], -q[1], -q[2], q[3]), r)
+
+
+@inner
+def matrix(q: Quat) -> Mat:
+    """Rotation matrix R(q)."""
+    x, y, z, w = q
+    return (
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - z * w),
+        2.0 * (x * z + y * w),
+        2.0 * (x * y + z * w),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - x * w),
+        2.0 * (x * z - y * w),
+        2.0 * (y * z + x * w),
+        1.0 - 2.0 * (x * x + y * y),
+    )
+
+
+@inner
+def quaternion_rate(q: Quat, omega: Vec) -> Quat:
+    """dq/dt = 1/2 q omega under a body rate."""
+    x, y, z, w = q
+    a, b, c = omega
+    return (
+        0.5 * (w * a + y * c - z * b),
+        0.5 * (w * b + z * a - x * c),
+        0.5 * (w * c + x * b - y * a),
+        -0.5 * (x * a + y * b + z * c),
+    )
 
 
 @inner

@@ -4,6 +4,8 @@ Every function takes sequences of floats (tuples, lists, arrays) and returns a t
 numbers that is several times faster than NumPy, and a control period calls these a dozen times. A tuple is no vector:
 ``+`` joins two of them. Wrap one in ``np.array`` before adding or scaling.
 
+Kernels have the same text in ``kernel/quaternion.py``.
+
 Reference: Sola, "Quaternion kinematics for the error-state Kalman filter", 2017, secs. 1-2 and 4.
 """
 
@@ -85,6 +87,29 @@ def rotate_inverse(q: Floats, r: Floats) -> Three:
     a, b, c = _floats(r)
     tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
     return a - w * tx + y * tz - z * ty, b - w * ty + z * tx - x * tz, c - w * tz + x * ty - y * tx
+
+
+def rotate_by_matrix(q: Floats, r: Floats) -> Three:
+    """Return R(q) r by the elements of ``matrix``, to the bit what kernels get that keep the matrix."""
+    x, y, z, w = _floats(q)
+    a, b, c = _floats(r)
+    return (
+        (1.0 - 2.0 * (y * y + z * z)) * a + 2.0 * (x * y - z * w) * b + 2.0 * (x * z + y * w) * c,
+        2.0 * (x * y + z * w) * a + (1.0 - 2.0 * (x * x + z * z)) * b + 2.0 * (y * z - x * w) * c,
+        2.0 * (x * z - y * w) * a + 2.0 * (y * z + x * w) * b + (1.0 - 2.0 * (x * x + y * y)) * c,
+    )
+
+
+def quaternion_rate(q: Floats, omega: Floats) -> Quaternion:
+    """Return dq/dt = 1/2 q omega of a quaternion under a body rate (3,) [rad/s]."""
+    x, y, z, w = _floats(q)
+    a, b, c = _floats(omega)
+    return (
+        0.5 * (w * a + y * c - z * b),
+        0.5 * (w * b + z * a - x * c),
+        0.5 * (w * c + x * b - y * a),
+        -0.5 * (x * a + y * b + z * c),
+    )
 
 
 def cross(a: Floats, b: Floats) -> Three:

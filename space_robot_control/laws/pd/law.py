@@ -1,4 +1,4 @@
-"""PD on the same channels and samples as the model-free law: the baseline printed beside it."""
+"""PD on the channels and samples of the model-free law: the baseline beside it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ProportionalDerivative(Law):
     """u = B^-1 (wn^2 e + 2 zeta wn e'), B the nominal response of the channels at the first state, constant.
 
     e and e' are the outputs of ``Channels`` and ``Sensing``: attitude as 2 epsilon of the error quaternion. There is no
-    feed-forward and no model of the motion: what it knows of the robot is what the model-free law is given as Phi(1).
+    feed-forward and no model of the motion: B is the same prior knowledge as Phi(1) of the model-free law.
 
     Telemetry: the errors every law has, output (m), output_rate (m), gate_count, gains_inverse (m) = diag(B).
 
@@ -75,7 +75,7 @@ class ProportionalDerivative(Law):
         self._response = None
 
     def review(self, path: Sequence[Reference]) -> Review:
-        """Say by which factor each channel could be faster; warn where the sampled loop is unstable."""
+        """Find by which factor each channel could be faster; warn where the sampled loop is unstable."""
         facts, warnings = [], []
         for name, wn in zip(self.channels.names, self._wn.tolist(), strict=True):
             margin = stability_margin(self.control_period, wn, self.gains.damping)
@@ -90,8 +90,8 @@ class ProportionalDerivative(Law):
         sensing.update(state, reference, self.channels.errors(state, errors))
         if self._response is None:
             self._response = self.channels.response(self._model, state.q)
-        wished = self._wn**2 * sensing.error + 2.0 * self.gains.damping * self._wn * sensing.rate
-        u = self.channels.spread(np.array(np.linalg.solve(self._response, wished)))
+        acceleration = self._wn**2 * sensing.error + 2.0 * self.gains.damping * self._wn * sensing.rate
+        u = self.channels.spread(np.array(np.linalg.solve(self._response, acceleration)))
         return u, {
             **error_blocks(errors),
             "output": sensing.error,

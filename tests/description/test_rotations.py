@@ -2,17 +2,49 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import pi
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from space_robot_control import rotations as rot
+from space_robot_description import rotations as rot
+from space_robot_description.kernel import quaternion as text
+from space_robot_description.kernel.jit import kernel
+from space_robot_description.kernel.spatial import mul
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Vector
 
 RNG = np.random.default_rng(20240607)
 QUATERNIONS = [q / np.linalg.norm(q) for q in RNG.normal(size=(50, 4))]
+
+
+def kernel_text(a: Vector, b: Vector, r: Vector, out: Vector) -> None:
+    """What the kernels' functions make of two quaternions and a vector, one after the other."""
+    p, q, v = (a[0], a[1], a[2], a[3]), (b[0], b[1], b[2], b[3]), (r[0], r[1], r[2])
+    out[0], out[1], out[2], out[3] = text.relative(p, q)
+    out[4], out[5], out[6] = text.rotate(p, v)
+    out[7], out[8], out[9] = text.rotate_inverse(p, v)
+    out[10], out[11], out[12] = mul(text.matrix(p), v)
+    out[13], out[14], out[15], out[16] = text.quaternion_rate(p, v)
+    out[17], out[18], out[19] = text.log(text.relative(p, q))
+
+
+compiled = kernel(kernel_text)
+
+
+def test_kernels_have_the_same_algebra() -> None:
+    """Every function of the kernels' text gives the bits of its namesake; the logarithm the same to the last digits."""
+    out = np.empty(20)
+    for a, b in pairwise(QUATERNIONS):
+        r = a[:3] - b[1:]
+        compiled(a, b, r, out)
+        turned = rot.rotate_by_matrix(a, r)
+        same = (rot.relative(a, b), rot.rotate(a, r), rot.rotate_inverse(a, r), turned, rot.quaternion_rate(a, r))
+        assert out[:17].tolist() == [number for numbers in same for number in numbers]
+        np.testing.assert_allclose(out[17:], rot.log(rot.relative(a, b)), rtol=1e-15)
+        np.testing.assert_allclose(turned, rot.rotate(a, r), atol=1e-15)
 
 
 @pytest.mark.parametrize("index", range(0, 50, 7))

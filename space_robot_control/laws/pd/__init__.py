@@ -1,0 +1,1 @@
+"""PD on named channels, the baseline of the model-free law."""
