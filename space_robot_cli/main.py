@@ -8,6 +8,8 @@ from __future__ import annotations
 import json
 import signal
 import sys
+import traceback
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Never
 
@@ -15,6 +17,7 @@ import typer
 
 import space_robot_cli.log_commands
 import space_robot_cli.study_commands  # noqa: F401  (their commands belong to the same application)
+from space_robot_bringup.modes.signals import Interrupted, raising
 from space_robot_cli.app import BAD_INPUT, FAILED, JsonOption, SetOption, app, err, out, warn
 from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
@@ -87,6 +90,14 @@ def run(
         Path | None, typer.Option("--from", metavar="DIR", help="fly one case of this campaign, with --index")
     ] = None,
     index: Annotated[int | None, typer.Option(help="of the case, with --from")] = None,
+    timeout: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="end with the reason timeout after so many seconds of CPU time of a process, or without a new tick",
+        ),
+    ] = None,
+    debug: Annotated[bool, typer.Option("--debug", help="show the traceback of a law that fails")] = False,
     as_json: JsonOption = False,
     view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
     port: PortOption = 8080,
@@ -98,6 +109,8 @@ def run(
         raise SpecError("no such mode", key="--mode", value=mode, accepted=", ".join(MODES))
     if realtime is not None and not 1e-3 <= realtime <= 1e4:
         raise SpecError("not a usable factor", key="--realtime", value=realtime, accepted="0.001 to 10000")
+    if timeout is not None and not 0.0 < timeout < float("inf"):
+        raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
     from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration
     from space_robot_cli.render import run as render
     from space_robot_studies.campaign.rerun import case_experiment, differences
@@ -110,7 +123,8 @@ def run(
     else:
         accepted = "an experiment with --set and --duration, or --from DIR with --index K"
         raise SpecError("says not what to fly, or twice", key="run", accepted=accepted)
-    result = _fly(spec, directory or Path("runs") / name, mode, realtime, quiet=as_json)
+    place = directory or Path("runs") / name
+    result = _fly(spec, place, mode, realtime, timeout=timeout, debug=debug, quiet=as_json)
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     if as_json:
@@ -154,29 +168,54 @@ def schema(
     print(json.dumps(KINDS[kind].model_json_schema(), indent=2))
 
 
-def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, quiet: bool) -> RunResult:
+def _fly(
+    spec: Experiment,
+    place: Path,
+    mode: Any,
+    realtime: float | None,
+    *,
+    timeout: float | None,
+    debug: bool,
+    quiet: bool,
+) -> RunResult:
     from space_robot_bringup.modes.compilation import notice
     from space_robot_bringup.modes.hooks import Hooks
     from space_robot_bringup.modes.run import run_experiment
-    from space_robot_bringup.modes.signals import StopFlag
+    from space_robot_bringup.modes.signals import RunStop
     from space_robot_cli.progress import Progress
 
     if not quiet and (line := notice(spec.controller.law_names)):
         err.print(line)
-    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
-        hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=warn)
+    with (
+        RunStop(signal.SIGINT, signal.SIGTERM, timeout=timeout) as stop,
+        Progress(err, spec.steps, quiet=quiet) as progress,
+    ):
+
+        def on_tick(tick: int) -> None:
+            stop.reach(tick)
+            progress.reach(tick)
+
+        hooks = Hooks(on_tick, stop=lambda: stop.reason, warn=warn, on_end=lambda reason: stop.lift())
+        if debug:
+            hooks = replace(hooks, on_failure=_show_trace, debug=True)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks)
 
 
+def _show_trace(error: BaseException) -> None:
+    err.print("".join(traceback.format_exception(error)), markup=False, soft_wrap=True)
+
+
 def main() -> Never:
-    """Entry point: one line per error, exit 2 on bad input, no traceback."""
+    """Entry point: one line per error, exit 2 on bad input, 1 on a signal, no traceback."""
     try:
-        # Without standalone mode an Exit of a command is what app returns.
-        code = app(standalone_mode=False)
+        with raising(signal.SIGINT, signal.SIGTERM):
+            # Without standalone mode an Exit of a command is what app returns.
+            code = app(standalone_mode=False)
     except SpaceRobotError as error:
         err.print(f"space-robot: {error}", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
-    except (KeyboardInterrupt, typer.Abort):
+    except (Interrupted, KeyboardInterrupt, typer.Abort) as error:
+        err.print(f"space-robot: {error.reason if isinstance(error, Interrupted) else 'interrupted'}", markup=False)
         sys.exit(FAILED)
     except Exception as error:
         # Usage errors of the parser know how to show themselves; anything else is a bug and shows its trace.
