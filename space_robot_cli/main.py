@@ -8,6 +8,8 @@ from __future__ import annotations
 import json
 import signal
 import sys
+import traceback
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Never
 
@@ -15,6 +17,7 @@ import typer
 
 import space_robot_cli.log_commands
 import space_robot_cli.study_commands  # noqa: F401  (their commands belong to the same application)
+from space_robot_bringup.modes.signals import Interrupted, raising
 from space_robot_cli.app import (
     BAD_INPUT,
     FAILED,
@@ -101,6 +104,14 @@ def run(
     index: Annotated[int | None, typer.Option(help="of the case, with --from")] = None,
     law: LawOption = None,
     allow_code: AllowCodeOption = False,
+    timeout: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="end with the reason timeout after so many seconds of CPU time of a process, or without a new tick",
+        ),
+    ] = None,
+    debug: Annotated[bool, typer.Option("--debug", help="show the traceback of a law that fails")] = False,
     as_json: JsonOption = False,
     view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
     port: PortOption = 8080,
@@ -108,6 +119,8 @@ def run(
 ) -> None:
     """Fly an experiment, log it to a bag and print the verdict."""
     mode = mode or ("headless" if campaign_directory is None else "graph")
+    if timeout is not None and not 0.0 < timeout < float("inf"):
+        raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
     from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration
     from space_robot_bringup.logs.logged import law_policy, with_laws
     from space_robot_bringup.modes.run import check_pace
@@ -130,7 +143,8 @@ def run(
     else:
         accepted = "an experiment with --set and --duration, or --from DIR with --index K"
         raise SpecError("says not what to fly, or twice", key="run", accepted=accepted)
-    result = _fly(spec, directory or Path("runs") / name, mode, realtime, policy, quiet=as_json)
+    place = directory or Path("runs") / name
+    result = _fly(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json)
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     if as_json:
@@ -175,30 +189,54 @@ def schema(
 
 
 def _fly(
-    spec: Experiment, place: Path, mode: Any, realtime: float | None, policy: LawPolicy, *, quiet: bool
+    spec: Experiment,
+    place: Path,
+    mode: Any,
+    realtime: float | None,
+    policy: LawPolicy,
+    *,
+    timeout: float | None,
+    debug: bool,
+    quiet: bool,
 ) -> RunResult:
     from space_robot_bringup.modes.compilation import notice
     from space_robot_bringup.modes.hooks import Hooks
     from space_robot_bringup.modes.run import run_experiment
-    from space_robot_bringup.modes.signals import StopFlag
+    from space_robot_bringup.modes.signals import RunStop
     from space_robot_cli.progress import Progress
 
     if not quiet and (line := notice(spec.controller.law_names, policy=policy)):
         err.print(line)
-    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop, Progress(err, spec.steps, quiet=quiet) as progress:
-        hooks = Hooks(on_tick=progress.reach, stop=lambda: stop.reason, warn=warn)
+    with (
+        RunStop(signal.SIGINT, signal.SIGTERM, timeout=timeout) as stop,
+        Progress(err, spec.steps, quiet=quiet) as progress,
+    ):
+
+        def on_tick(tick: int) -> None:
+            stop.reach(tick)
+            progress.reach(tick)
+
+        hooks = Hooks(on_tick, stop=lambda: stop.reason, warn=warn, on_end=lambda reason: stop.lift())
+        if debug:
+            hooks = replace(hooks, on_failure=_show_trace, debug=True)
         return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks, policy=policy)
 
 
+def _show_trace(error: BaseException) -> None:
+    err.print("".join(traceback.format_exception(error)), markup=False, soft_wrap=True)
+
+
 def main() -> Never:
-    """Entry point: one line per error, exit 2 on bad input, no traceback."""
+    """Entry point: one line per error, exit 2 on bad input, 1 on a signal, no traceback."""
     try:
-        # Without standalone mode an Exit of a command is what app returns.
-        code = app(standalone_mode=False)
+        with raising(signal.SIGINT, signal.SIGTERM):
+            # Without standalone mode an Exit of a command is what app returns.
+            code = app(standalone_mode=False)
     except SpaceRobotError as error:
         err.print(f"space-robot: {error}", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
-    except (KeyboardInterrupt, typer.Abort):
+    except (Interrupted, KeyboardInterrupt, typer.Abort) as error:
+        err.print(f"space-robot: {error.reason if isinstance(error, Interrupted) else 'interrupted'}", markup=False)
         sys.exit(FAILED)
     except Exception as error:
         # Usage errors of the parser know how to show themselves; anything else is a bug and shows its trace.

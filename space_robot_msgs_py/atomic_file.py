@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from space_robot_msgs_py.errors import LogError
@@ -24,6 +25,10 @@ def write_atomically(path: Path, content: bytes | str) -> None:
             stream.flush()
             os.fsync(stream.fileno())
         temporary.replace(path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise LogError(f"cannot be written: {error.strerror or error}", key=str(path)) from None
+    except BaseException as error:
+        # Also where a signal ends the process: nothing is left beside the file.
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise LogError(f"cannot be written: {error.strerror or error}", key=str(path)) from None
+        raise

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from space_robot_bringup.experiment.experiment import Expectation
 from space_robot_bringup.judge.metrics import RunMetrics
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import NANOSECONDS
 
 # A plant that loses more than this is wrong, whatever the controller does.
 PLANT_BOUNDS = {"momentum_residual": 1e-8, "energy_residual": 1e-7, "quaternion_residual": 1e-8}
@@ -60,16 +61,38 @@ def _check_known(given: Iterable[str], names: Sequence[str], what: str, section:
             raise SpecError(f"no such {what}", key=f"{section}.{name}", accepted=accepted)
 
 
+def check_end(end_reason: str | None) -> Check:
+    """The run ended by itself."""
+    return Check("completed", None, f"the run ends by itself (ended: {end_reason})", end_reason == "completed")
+
+
 def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: str | None) -> tuple[Check, ...]:
-    """All checks of a run; see ``check_expectations`` for what ``expect`` may name."""
+    """All checks of a run's numbers; see ``check_expectations`` for what ``expect`` may name."""
     numbers = metrics.flat()
-    checks = [Check("completed", None, f"the run ends by itself (ended: {end_reason})", end_reason == "completed")]
+    checks = [check_end(end_reason)]
     for name, bound in PLANT_BOUNDS.items():
         value = numbers[name]
         checks.append(Check(name, value, f"<= {bound:g}", value is not None and value <= bound))
     for name, expectation in expect.items():
         checks += check_bounds(name, numbers[name], expectation)
     return tuple(checks)
+
+
+def check_ticks(stamps: Sequence[int], steps: int, period: int, lacks: Callable[[int], str] = lambda tick: "") -> Check:
+    """The run is there as a whole: every tick that was asked for, the last one too, and no other.
+
+    Args:
+        stamps: of the complete ticks, in order [ns].
+        steps: number of periods asked for.
+        period: control period [ns].
+        lacks: says what a tick that is not complete lacks.
+    """
+    missing = next((tick for tick, stamp in enumerate(stamps) if stamp != tick * period), len(stamps))
+    whole = len(stamps) == steps + 1 == missing
+    wanted = f"{steps + 1} complete ticks up to {steps * period / NANOSECONDS:g} s"
+    if not whole and missing <= steps:
+        wanted += f"; tick {missing} at {missing * period / NANOSECONDS:g} s {lacks(missing) or 'is not complete'}"
+    return Check("ticks", float(len(stamps)), wanted, whole)
 
 
 def check_bounds(name: str, value: float | None, wanted: Expectation) -> list[Check]:

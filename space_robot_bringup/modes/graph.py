@@ -17,13 +17,15 @@ from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.compose.parameters import rows_of
 from space_robot_bringup.modes.context import private_context
 from space_robot_bringup.modes.hooks import ROLES, Hooks
+from space_robot_bringup.modes.signals import Interrupted
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_control.nodes.guidance import GuidanceNode
 from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.log.writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
-from space_robot_sim.nodes.recorder import RecorderNode
+from space_robot_sim.nodes.recorder import AHEAD_BESIDE, AHEAD_IN_ONE_PROCESS, RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
 
 # A finite timeout: without one this executor neither fires timers nor sleeps.
@@ -50,7 +52,13 @@ class Graph:
 
 
 def make_node(
-    role: str, composition: Composition, directory: Path, *, realtime: float | None, mode: str, **options: Any
+    role: str,
+    composition: Composition,
+    directory: Path | RunDirectory,
+    *,
+    realtime: float | None,
+    mode: str,
+    **options: Any,
 ) -> GraphNode:
     """One node of the graph by its role, to be brought up: recorder, guidance, controller or simulator."""
     experiment, names = composition.experiment, composition.joint_names
@@ -59,9 +67,10 @@ def make_node(
         options["steered"] = mode != "graph"
     timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
     if role == "recorder":
-        return RecorderNode(
-            _writers(composition, directory, mode), names, lossless=realtime is None, **timing, **options
-        )
+        # Paced, the clock goes on and waits for no log.
+        ahead = AHEAD_IN_ONE_PROCESS if mode == "graph" or realtime is not None else AHEAD_BESIDE
+        timing |= {"lossless": realtime is None, "ahead": ahead}
+        return RecorderNode(_writers(composition, directory, mode), names, **timing, **options)
     if role == "guidance":
         return GuidanceNode(composition.reference(), names, **timing, **options)
     if role == "controller":
@@ -71,9 +80,11 @@ def make_node(
     )
 
 
-def _writers(composition: Composition, directory: Path, mode: str) -> Callable[[int], LogWriter]:
+def _writers(composition: Composition, directory: Path | RunDirectory, mode: str) -> Callable[[int], LogWriter]:
+    path = directory.path if isinstance(directory, RunDirectory) else directory
+
     def open_writer(index: int) -> LogWriter:
-        place = directory if index == 0 else directory.with_name(f"{directory.name}_reset{index}")
+        place = directory if index == 0 else path.with_name(f"{path.name}_reset{index}")
         return LogWriter(place, composition.header, custom={"mode": mode})
 
     return open_writer
@@ -82,7 +93,9 @@ def _writers(composition: Composition, directory: Path, mode: str) -> Callable[[
 MANAGED = ("controller", "simulator")
 
 
-def make_graph(composition: Composition, directory: Path, *, context: Context, realtime: float | None = None) -> Graph:
+def make_graph(
+    composition: Composition, directory: Path | RunDirectory, *, context: Context, realtime: float | None = None
+) -> Graph:
     """All nodes of a run in one context, brought up and ready to spin."""
     made: dict[str, Any] = {
         role: make_node(role, composition, directory, realtime=realtime, mode="graph", context=context, **LIGHT)
@@ -92,7 +105,7 @@ def make_graph(composition: Composition, directory: Path, *, context: Context, r
     return Graph(**made)
 
 
-def fly_graph(composition: Composition, directory: Path, *, realtime: float | None, hooks: Hooks) -> str:
+def fly_graph(composition: Composition, directory: Path | RunDirectory, *, realtime: float | None, hooks: Hooks) -> str:
     """Fly one run in graph mode and return the reason of its end."""
     with private_context() as context:
         graph = make_graph(composition, directory, context=context, realtime=realtime)
@@ -123,14 +136,17 @@ def spin_graph(graph: Graph, context: Context, hooks: Hooks) -> str:
         stopped()
 
     graph.simulator.on_tick = on_tick
-    while graph.recorder.end_reason is None:
-        spin(executor, graph.recorder)
-        if stopped():
-            break
-    reason = graph.simulator.end_reason or graph.recorder.end_reason or "failed"
-    drain(executor, graph.recorder, reason)
+    try:
+        while graph.recorder.end_reason is None and not stopped():
+            spin(executor, graph.recorder)
+    except Interrupted:
+        # Out of a law that did not come back; asking for the reason tells that it was heard.
+        stopped()
+    reason = drain(executor, graph.recorder, graph.simulator.end_reason or graph.recorder.end_reason or "failed")
     for node in graph.nodes:
         raise_bug(node)
+        if node.failure is not None:
+            hooks.on_failure(node.failure)
     return reason
 
 
@@ -155,15 +171,16 @@ def spin(executor: Any, node: GraphNode) -> None:
     executor.spin_until_future_complete(node.over, timeout_sec=SPIN_TIMEOUT)
 
 
-def drain(executor: Any, recorder: RecorderNode, reason: str) -> None:
-    """Let the recorder hear what is still under way, then close its log."""
+def drain(executor: Any, recorder: RecorderNode, reason: str) -> str:
+    """Let the recorder hear what is still under way, then close its log; returns the reason, see ``finish``."""
     heard, quiet_since = recorder.heard, monotonic()
     deadline = quiet_since + DRAIN_SECONDS
-    while not recorder.complete and monotonic() < deadline:
+    while not recorder.complete and recorder.failure is None and monotonic() < deadline:
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         if recorder.heard != heard:
             heard, quiet_since = recorder.heard, monotonic()
         elif (reason != "completed" or not recorder.lossless) and monotonic() - quiet_since > QUIET_SECONDS:
             break
-    recorder.finish(reason)
+    reason = recorder.finish(reason)
     executor.shutdown()
+    return reason

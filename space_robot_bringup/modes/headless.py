@@ -8,7 +8,9 @@ from pathlib import Path
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks
-from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_bringup.modes.signals import Interrupted
+from space_robot_control.laws.guarded import LawError, guarded_update
+from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import Controller, Plant, ReferenceSource, Sink, Tick
 from space_robot_msgs_py.log.writer import LogSink, MemorySink
 
@@ -22,6 +24,7 @@ def run(
     sink: Sink,
     on_tick: Callable[[int], None] = lambda tick: None,
     stop: Callable[[], str | None] = lambda: None,
+    on_failure: Callable[[BaseException], None] = lambda error: None,
 ) -> str:
     """Fly ``steps`` control periods and record ticks 0..steps.
 
@@ -35,18 +38,36 @@ def run(
         sink: takes every tick; it is closed with the reason of the end, whatever happens.
         on_tick: called with each finished tick.
         stop: asked before each tick; a reason ends the run.
+        on_failure: told the error of a law, plant, reference or sink that ended the run.
 
     Returns:
-        The reason of the end: ``completed``, what ``stop`` said, or the error of plant or controller.
+        The reason of the end: ``completed``, what ``stop`` said, or the error of plant, controller or log, by the names
+        of the nodes they have in a graph.
     """
-    reason = "interrupted"
+    reason, at = "failed", _Position()
     try:
-        reason = _loop(plant, controller, reference, steps, sink, on_tick, stop)
+        reason = _loop(plant, controller, reference, steps, sink, on_tick, stop, at)
     except SpaceRobotError as error:
-        reason = str(error)
+        reason = f"{'recorder' if isinstance(error, LogError) else at.role}: {error}"
+        on_failure(error)
+    except Interrupted as interruption:
+        reason = interruption.reason
+        stop()  # It raises again until it is asked.
+    except BaseException as error:
+        reason = f"{at.role}: {type(error).__name__}: {error}"
+        raise
     finally:
-        sink.close(reason)
+        reason = _closed(sink, reason, on_failure)
     return reason
+
+
+class _Position:
+    """Whose turn it is, by the names of the nodes in a graph."""
+
+    __slots__ = ("role",)
+
+    def __init__(self) -> None:
+        self.role = "simulator"
 
 
 def _loop(
@@ -57,6 +78,7 @@ def _loop(
     sink: Sink,
     on_tick: Callable[[int], None],
     stop: Callable[[], str | None],
+    at: _Position,
 ) -> str:
     controller.reset()
     sample = plant.reset()
@@ -64,20 +86,31 @@ def _loop(
         reason = stop()
         if reason is not None:
             return reason
+        at.role = "guidance"
         target = reference.at(sample.state.stamp)
+        at.role = "controller"
         try:
-            output = controller.update(sample.state, target)
-        except SpaceRobotError as error:
+            output = guarded_update(controller, sample.state, target, tick)
+        except (SpaceRobotError, Interrupted):
             sink.record_unanswered(sample, target)
-            return f"controller: {error}"
+            raise
+        at.role = "recorder"
         sink.record(Tick(sample, target, output))
         on_tick(tick)
+        at.role = "simulator"
         if tick < steps:
-            try:
-                sample = plant.step(output.command)
-            except SpaceRobotError as error:
-                return f"simulator: {error}"
+            sample = plant.step(output.command)
     return "completed"
+
+
+def _closed(sink: Sink, reason: str, on_failure: Callable[[BaseException], None]) -> str:
+    """Close the sink; the reason is another one where it cannot be closed."""
+    try:
+        sink.close(reason)
+    except LogError as error:
+        on_failure(error)
+        return f"recorder: {error}"
+    return reason
 
 
 def fly_in_memory(composition: Composition, hooks: Hooks | None = None) -> MemorySink:
@@ -87,8 +120,10 @@ def fly_in_memory(composition: Composition, hooks: Hooks | None = None) -> Memor
 
     Raises:
         SpaceRobotError: plant, law or reference cannot be made; nothing was flown.
+        Exception: what the law raised, where no law should.
     """
     hooks, sink = hooks or Hooks(), MemorySink()
+    failures: list[BaseException] = []
     headless.run(
         composition.plant(),
         composition.controller(),
@@ -97,7 +132,12 @@ def fly_in_memory(composition: Composition, hooks: Hooks | None = None) -> Memor
         sink=sink,
         on_tick=hooks.on_tick,
         stop=hooks.stop,
+        on_failure=failures.append,
     )
+    for failure in failures:
+        if isinstance(failure, LawError) and isinstance(failure.__cause__, Exception):
+            raise failure.__cause__
+        hooks.on_failure(failure)
     return sink
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 ROLES = ("recorder", "guidance", "controller", "simulator")
@@ -17,11 +17,17 @@ class Hooks:
         on_tick: called with each finished tick.
         stop: asked often; a reason ends the run.
         warn: called before the run with each warning of the law.
+        on_failure: called with the error that ended the run, with what caused it.
+        on_end: called with the reason when the run is over, before its log is judged.
+        debug: processes of the run show the traceback of a law that fails.
     """
 
     on_tick: Callable[[int], None] = lambda tick: None
     stop: Callable[[], str | None] = lambda: None
     warn: Callable[[str], None] = lambda warning: None
+    on_failure: Callable[[BaseException], None] = lambda error: None
+    on_end: Callable[[str], None] = lambda reason: None
+    debug: bool = False
 
 
 class Stopwatch:
@@ -35,7 +41,7 @@ class Stopwatch:
         self._on_tick = hooks.on_tick
         self._first: float | None = None
         self._last = 0.0
-        self.hooks = Hooks(on_tick=self._reach, stop=hooks.stop)
+        self.hooks = replace(hooks, on_tick=self._reach)
 
     @property
     def seconds(self) -> float:

@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 import os
+import selectors
 import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from time import monotonic, sleep
-from typing import TYPE_CHECKING
+from time import monotonic
+from typing import TYPE_CHECKING, Any
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.modes.context import reserved_domain
 from space_robot_bringup.modes.hooks import ROLES
-from space_robot_bringup.modes.signals import REASONS
-from space_robot_msgs_py.log.reader import LogReader
+from space_robot_bringup.modes.tether import CLOSING_SECONDS, ParentEnd
+from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.log.closing import close_log_of_dead_writer
+from space_robot_msgs_py.log.run_directory import RunDirectory
 
 if TYPE_CHECKING:
     from space_robot_bringup.modes.hooks import Hooks
 
-POLL_SECONDS = 0.02
-GRACE_SECONDS = 10.0
-# A node that fails says why before it ends; on a busy machine the recorder takes a while to hear it.
-HEARING_SECONDS = 3.0
+POLL_SECONDS = 0.05
+# What a process that was told to end may take; the recorder may take longer, once it has a log to close.
+END_SECONDS = 1.0
+RECORDER = "recorder"
 
 
 def fly_processes(
     composition: Composition,
-    directory: Path,
+    directory: Path | RunDirectory,
     *,
     realtime: float | None,
     hooks: Hooks,
@@ -43,100 +46,152 @@ def fly_processes(
         realtime: simulated seconds per second; None: lock-step.
         hooks: progress and early end.
         late: seconds by which a role starts after the others.
+
+    Raises:
+        LogError: another run writes to the directory, or it cannot be made.
     """
-    with tempfile.TemporaryDirectory(prefix="space-robot-") as scratch, reserved_domain() as domain:
-        crew = _Crew(composition, directory, realtime, Path(scratch), domain, late or {})
+    if not isinstance(directory, RunDirectory):
+        with RunDirectory(directory) as place:
+            return fly_processes(composition, place, realtime=realtime, hooks=hooks, late=late)
+    # A file without a name: however this process ends, nothing of it stays.
+    with tempfile.TemporaryFile(prefix="space-robot-") as experiment, reserved_domain() as domain:
+        experiment.write(composition.header.experiment.encode())
+        experiment.flush()
+        crew = _Crew(directory, _arguments(realtime, hooks), experiment.fileno(), domain, late or {})
         try:
             return crew.watch(hooks)
         finally:
             crew.end()
 
 
+def _arguments(realtime: float | None, hooks: Hooks) -> list[str]:
+    paced = [] if realtime is None else ["--realtime", repr(realtime)]
+    return [*paced, *(["--debug"] if hooks.debug else [])]
+
+
 class _Crew:
-    """The child processes of one run."""
+    """The child processes of one run.
+
+    Args:
+        place: run directory.
+        arguments: of every child.
+        experiment: descriptor of a file with the resolved experiment.
+        domain: of the run.
+        late: see ``fly_processes``.
+    """
 
     def __init__(
-        self,
-        composition: Composition,
-        directory: Path,
-        realtime: float | None,
-        scratch: Path,
-        domain: int,
-        late: Mapping[str, float],
+        self, place: RunDirectory, arguments: list[str], experiment: int, domain: int, late: Mapping[str, float]
     ) -> None:
-        self._directory, self._progress = directory, scratch / "progress"
-        experiment = scratch / "experiment.yaml"
-        experiment.write_text(composition.header.experiment, encoding="utf-8")
-        self._arguments = ["--experiment", str(experiment), "--out", str(directory)]
-        if realtime is not None:
-            self._arguments += ["--realtime", repr(realtime)]
+        self._place, self._arguments, self._experiment = place, arguments, experiment
         self._environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
         self._children: dict[str, subprocess.Popen[bytes]] = {}
+        self._tethers: dict[str, ParentEnd] = {}
+        self._selector = selectors.DefaultSelector()
         self._due = {role: monotonic() + late.get(role, 0.0) for role in ROLES}
+        self._tick = -1
+        self._recording = False
+        self._order: str | None = None
+        self._give_up = float("inf")
+        self._logged: str | None = None
 
     def watch(self, hooks: Hooks) -> str:
-        """Start who is due, follow the recorder, and end the run when it ends or somebody dies."""
-        asked, give_up, seen = None, float("inf"), float("inf")
+        """Start the children, follow them, and end the run when one of them ends or ``hooks.stop`` says so."""
         while True:
             self._start_due()
-            hooks.on_tick(self._tick())
-            recorder = self._children.get("recorder")
-            if recorder is not None and recorder.poll() is not None:
-                return self._reason(recorder, asked)
-            casualty = self._casualty()
-            seen = seen if casualty is None else min(seen, monotonic())
-            reason = hooks.stop() or (casualty if monotonic() - seen > HEARING_SECONDS else None)
-            if reason is not None and asked is None:
-                asked, give_up = reason, monotonic() + GRACE_SECONDS
-                self._signal(signal.SIGINT if reason != "terminated" else signal.SIGTERM)
-            if monotonic() > give_up:
-                return asked or "failed"
-            sleep(POLL_SECONDS)
+            hooks.on_tick(self._tick)
+            for key, _ in self._selector.select(POLL_SECONDS):
+                self._hear(key.data)
+            if self._order is None and (reason := hooks.stop()) is not None:
+                self._end_all(reason)
+            if self._logged is not None:
+                return self._logged
+            if self._order is not None and (RECORDER not in self._tethers or monotonic() > self._give_up):
+                return self._close_log(self._order)
 
     def end(self) -> None:
         """No child survives the run."""
-        deadline = monotonic() + GRACE_SECONDS
+        deadline = monotonic() + END_SECONDS
         for child in self._children.values():
             try:
                 child.wait(max(0.0, deadline - monotonic()))
             except subprocess.TimeoutExpired:
                 child.kill()
                 child.wait()
+        for tether in self._tethers.values():
+            tether.close()
+        self._selector.close()
 
     def _start_due(self) -> None:
-        for role in [role for role, due in self._due.items() if monotonic() >= due]:
+        for role in [role for role, due in self._due.items() if monotonic() >= due and self._order is None]:
             del self._due[role]
+            tether = ParentEnd()
+            inherited = {"--tether": tether.child.fileno(), "--experiment": self._experiment}
+            if role == RECORDER:
+                inherited["--directory"] = self._place.descriptor
             command = [sys.executable, "-m", "space_robot_bringup.nodes.process", role, *self._arguments]
-            follow = role == "recorder"
-            with (self._progress if follow else Path(os.devnull)).open("wb") as out:
-                # A session of its own: Ctrl-C in the terminal reaches this process only, which then ends them in order.
-                self._children[role] = subprocess.Popen(
-                    command + ["--progress"] * follow, stdout=out, env=self._environment, start_new_session=True
-                )
+            command += ["--experiment", f"/dev/fd/{self._experiment}", "--out", str(self._place.path)]
+            command += [text for name in inherited if name != "--experiment" for text in (name, str(inherited[name]))]
+            # A session of its own: Ctrl-C in the terminal reaches this process only, which then ends them in order.
+            # What a law prints is for people; this process's stdout may be for programs.
+            self._children[role] = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=2,
+                env=self._environment,
+                start_new_session=True,
+                pass_fds=tuple(inherited.values()),
+            )
+            tether.child.close()
+            self._tethers[role] = tether
+            self._selector.register(tether, selectors.EVENT_READ, role)
 
-    def _tick(self) -> int:
+    def _hear(self, role: str) -> None:
+        news = self._tethers[role].news()
+        if news is not None:
+            self._take_in(news)
+            return
+        tether = self._tethers.pop(role)
+        self._selector.unregister(tether)
+        tether.close()
+        if self._order is None:
+            self._end_all(self._cause_of_death(role), hurry=True)
+
+    def _take_in(self, news: Mapping[str, Any]) -> None:
+        if "tick" in news:
+            self._tick, self._recording = news["tick"], True
+        if "logged" in news:
+            self._logged = str(news["logged"])
+        if "end" in news:
+            # What ended one node ends all, whether or not they heard of it on the graph.
+            self._end_all(str(news["end"]))
+
+    def _end_all(self, reason: str, *, hurry: bool = False) -> None:
+        if self._order is not None:
+            return
+        self._order = reason
+        self._give_up = monotonic() + (CLOSING_SECONDS if self._recording else END_SECONDS)
+        for tether in self._tethers.values():
+            tether.order_end(reason, hurry=hurry)
+
+    def _cause_of_death(self, role: str) -> str:
+        """Only for a process that did not say itself why it ends."""
+        child = self._children[role]
         try:
-            lines = self._progress.read_text().split("\n")
-        except FileNotFoundError:
-            return -1
-        return int(lines[-2].removeprefix("tick ")) if len(lines) > 1 else -1
+            code = child.wait(END_SECONDS)
+        except subprocess.TimeoutExpired:
+            return f"{role}: its process let go of the run"
+        what = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        return f"{role}: its process ended with {what}"
 
-    def _casualty(self) -> str | None:
-        for role, child in self._children.items():
-            code = child.poll()
-            if role != "recorder" and code:
-                what = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-                return f"{role}: its process ended with {what}"
-        return None
-
-    def _signal(self, number: signal.Signals) -> None:
-        for child in self._children.values():
-            if child.poll() is None:
-                child.send_signal(number)
-
-    def _reason(self, recorder: subprocess.Popen[bytes], asked: str | None) -> str:
-        """What the log says; where it only says that it was told to stop, what made us tell it."""
-        if recorder.returncode != 0:
-            return asked or f"recorder: its process ended with exit code {recorder.returncode}"
-        logged = LogReader(self._directory).end_reason or "cut"
-        return asked if asked is not None and logged in REASONS.values() else logged
+    def _close_log(self, reason: str) -> str:
+        """In place of a recorder that is no more, or that never gets there."""
+        recorder = self._children.get(RECORDER)
+        if recorder is not None:
+            recorder.kill()
+            recorder.wait()
+        try:
+            close_log_of_dead_writer(self._place, reason, {"mode": "processes"})
+        except LogError as error:
+            return f"recorder: {error}"
+        return reason

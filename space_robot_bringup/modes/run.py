@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
@@ -10,18 +10,21 @@ from typing import Literal, get_args
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.metrics import RunMetrics, measure
-from space_robot_bringup.judge.verdict import Check, judge
+from space_robot_bringup.judge.verdict import Check, check_end, check_ticks, judge
 from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks, Stopwatch
 from space_robot_control.laws.policy import TYPED, LawPolicy
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.run_directory import GONE, RunDirectory
 from space_robot_msgs_py.log.writer import LogSink
 from space_robot_msgs_py.paths import StrPath
+from space_robot_msgs_py.topics import Kind, topics_of
 
 Mode = Literal["headless", "graph", "processes"]
 MODES: tuple[Mode, ...] = get_args(Mode)
+KINDS: tuple[Kind, ...] = ("state", "reference", "command")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +33,7 @@ class RunResult:
 
     Attributes:
         directory: the bag.
-        end_reason: ``completed``, ``interrupted``, ``terminated`` or an error.
+        end_reason: ``completed``, ``interrupted``, ``terminated``, ``timeout``, ``truncated`` or an error.
         metrics: None where no tick was completed.
         checks: the verdict, bound by bound.
         wall_time: [s] from the first tick to the last; set-up is not counted.
@@ -97,40 +100,95 @@ def run_composition(
     hooks: Hooks | None = None,
 ) -> RunResult:
     """Fly what an experiment was composed to; everything else as ``run_experiment``."""
-    hooks, place = hooks or Hooks(), Path(directory)
+    hooks = hooks or Hooks()
     for warning in composition.review().warnings:
         hooks.warn(warning)
     stopwatch = Stopwatch(hooks)
-    reason = _fly(composition, place, mode, realtime, stopwatch.hooks)
-    return judge_log(place, composition, reason, stopwatch.seconds)
+    # Locked until it is judged: what is judged is what was written.
+    with RunDirectory(Path(directory)) as place:
+        reason = _fly(composition, place, mode, realtime, stopwatch.hooks)
+        if not place.holds_path() and reason == "completed":
+            reason = f"recorder: {place.bag}: {GONE}"
+        hooks.on_end(reason)
+        return judge_log(Path(directory), composition, reason, stopwatch.seconds)
 
 
 def judge_log(directory: Path, composition: Composition, reason: str, wall_time: float) -> RunResult:
-    """The result of a run, read back from its log."""
-    # Resolved as the writer did: `a/../b` is a place even where there is no `a`.
-    ticks = list(LogReader(directory.resolve()).ticks())
-    metrics, checks = judge_ticks(ticks, composition, reason)
+    """The result of a run, read back from its log.
+
+    Args:
+        directory: of the run.
+        composition: that was flown.
+        reason: of the end, as the run said it; the log's own counts where it has one.
+        wall_time: [s].
+    """
+    try:
+        # Resolved as the writer did: `a/../b` is a place even where there is no `a`.
+        reader = LogReader(directory.resolve())
+        ticks, logged = list(reader.ticks()), reader.end_reason
+    except SpaceRobotError as error:
+        reason = f"recorder: {error}" if reason == "completed" else reason
+        return RunResult(directory, reason, None, (check_end(reason),), wall_time)
+    if reason == "completed":
+        reason = "truncated" if logged is None else logged
+    elif logged not in (None, "completed"):
+        reason = str(logged)
+    metrics, checks = judge_ticks(ticks, composition, reason, Lacks(reader, composition))
     return RunResult(directory, reason, metrics, checks, wall_time)
 
 
+class Lacks:
+    """Says what a tick of a log lacks that is not complete.
+
+    Args:
+        reader: of the log.
+        composition: of the run.
+    """
+
+    def __init__(self, reader: LogReader, composition: Composition) -> None:
+        self._reader, self._experiment = reader, composition.experiment
+
+    def __call__(self, tick: int) -> str:
+        """What this tick lacks; nothing where that is not known."""
+        stamp = tick * self._experiment.period
+        try:
+            parts = next((parts for at, parts in self._reader.stamps() if at == stamp), {})
+        except SpaceRobotError:
+            return ""
+        absent = [kind for kind in KINDS if any(topic.name not in parts for topic in topics_of(kind))]
+        if absent == ["command"]:
+            return f"has no command of the law {self._experiment.controller.law}"
+        return f"has no {', no '.join(absent)}" if absent else ""
+
+
 def judge_ticks(
-    ticks: Sequence[Tick], composition: Composition, reason: str
+    ticks: Sequence[Tick], composition: Composition, reason: str, lacks: Callable[[int], str] = lambda tick: ""
 ) -> tuple[RunMetrics | None, tuple[Check, ...]]:
-    """Metrics and verdict of a run; None and nothing where no tick was completed."""
+    """Metrics and verdict of a run; no metrics where no tick was completed.
+
+    Args:
+        ticks: the complete ones.
+        composition: that was flown.
+        reason: of the end.
+        lacks: says what a tick lacks that is not complete.
+    """
+    experiment = composition.experiment
+    whole = check_ticks([tick.stamp for tick in ticks], experiment.steps, experiment.period, lacks)
     if not ticks:
-        return None, ()
+        return None, (check_end(reason), whole)
     flying = composition.nominal.base_mode == "free_flying"
     metrics = measure(
         ticks,
         composition.joint_names,
         base_translation=flying,
         prismatic=composition.nominal.prismatic,
-        bands=composition.experiment.settling_bands,
+        bands=experiment.settling_bands,
     )
-    return metrics, judge(metrics, composition.experiment.expect, reason)
+    ended, *others = judge(metrics, experiment.expect, reason)
+    return metrics, (ended, whole, *others)
 
 
-def _fly(composition: Composition, directory: Path, mode: Mode, realtime: float | None, hooks: Hooks) -> str:
+def _fly(composition: Composition, directory: RunDirectory, mode: Mode, realtime: float | None, hooks: Hooks) -> str:
     if mode == "headless":
         # The log last: what cannot be made leaves none behind.
         plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
@@ -143,6 +201,7 @@ def _fly(composition: Composition, directory: Path, mode: Mode, realtime: float 
             sink=sink,
             on_tick=hooks.on_tick,
             stop=hooks.stop,
+            on_failure=hooks.on_failure,
         )
     try:
         # Only here: everything else works on a machine without ROS.

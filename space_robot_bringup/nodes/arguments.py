@@ -34,6 +34,9 @@ class Start(Strict):
     autostart: bool = Field(
         default=True, description="simulator and controller: configure and activate at once, or wait for ~/change_state"
     )
+    patience: NonNegativeFloat = Field(
+        default=60.0, description="seconds to wait for a run to begin or to go on; 0, or without autostart: for ever"
+    )
 
 
 def parser() -> argparse.ArgumentParser:
@@ -56,7 +59,11 @@ def parser() -> argparse.ArgumentParser:
         "--no-record", dest="record", action="store_false", default=nothing, help="no recorder takes part: await none"
     )
     made.add_argument("--realtime", type=float, default=nothing, help=fields["realtime"].description)
-    made.add_argument("--progress", action="store_true", help="print the tick that was reached, now and then")
+    made.add_argument("--patience", type=float, default=nothing, help=fields["patience"].description)
+    made.add_argument("--debug", action="store_true", help="show the traceback of a law that fails")
+    inherited = "descriptor inherited from the process that starts the nodes of a run: "
+    made.add_argument("--tether", type=int, default=None, help=f"{inherited}orders and news")
+    made.add_argument("--directory", type=int, default=None, help=f"{inherited}the locked run directory")
     return made
 
 

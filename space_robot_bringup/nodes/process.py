@@ -8,7 +8,10 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable
+import traceback
+from argparse import Namespace
+from collections.abc import Callable, Sequence
+from math import inf
 from pathlib import Path
 from time import monotonic
 
@@ -20,17 +23,23 @@ from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.context import domain_number, local_context
 from space_robot_bringup.modes.graph import drain, make_executor, make_node, raise_bug, spin
-from space_robot_bringup.modes.signals import StopFlag
+from space_robot_bringup.modes.signals import Interrupted, RunStop
+from space_robot_bringup.modes.tether import CLOSING_SECONDS, ChildEnd
 from space_robot_bringup.nodes.arguments import Start, parser, split_ros_arguments, start_from
+from space_robot_bringup.nodes.patience import Patience
 from space_robot_description.fields import parameter_rows
 from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_msgs_py.nodes.parameters import given_at_start
+from space_robot_msgs_py.topics import BASE_ODOM
 from space_robot_sim.nodes.pacing import REALTIME
 from space_robot_sim.nodes.recorder import RecorderNode
 
 ACKNOWLEDGE_SECONDS = 5.0
+# Where a process of the run died, it acknowledges nothing any more.
+HURRIED_SECONDS = 0.5
 PROGRESS_SECONDS = 0.2
 POLL_SECONDS = 0.05
 
@@ -39,71 +48,99 @@ def main(arguments: list[str] | None = None) -> int:
     """Run one node until the run ends. Returns 0, 1 where the node failed, 2 on bad input."""
     own, ros = split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
     options = parser().parse_args(own)
-    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
+    with RunStop(signal.SIGINT, signal.SIGTERM) as stop:
+        tether = ChildEnd(options.tether, stop.end)
         try:
-            # As every ROS process: nodes started together are given one domain, or they meet on 0.
-            domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
-            with local_context(domain, ros) as context:
-                start = start_from(vars(options), given_at_start(options.role, context))
-                composition = compose(load_experiment(start.experiment, start.set))
-                node = _node(options.role, start, composition, context)
-                progress = _printer(composition.experiment.period) if options.progress else None
-                return _spin(node, stop, progress)
+            return _run(options, ros, stop, tether)
+        except Interrupted as interruption:
+            print(f"space-robot {options.role}: {interruption.reason}", file=sys.stderr)
+            return 0
         except SpaceRobotError as error:
             print(f"space-robot {options.role}: {error}", file=sys.stderr)
+            tether.tell(end=f"{options.role}: {error}")
             return 2
 
 
-def _node(role: str, start: Start, composition: Composition, context: Context) -> GraphNode:
+def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) -> int:
+    # As every ROS process: what starts several of us gives them one domain, or they meet on 0.
+    domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
+    with local_context(domain, ros) as context:
+        start = start_from(vars(options), given_at_start(options.role, context))
+        composition = compose(load_experiment(start.experiment, start.set))
+        node = _node(options, start, composition, context)
+        if isinstance(node, RecorderNode):
+            # From now on there is a log to be closed.
+            tether.grace = CLOSING_SECONDS
+        patience = start.patience if start.autostart and start.patience else inf
+        watches = [Patience(node, BASE_ODOM, patience).look] if options.role != "simulator" else []
+        if isinstance(node, RecorderNode):
+            watches.append(_progress(node, composition.experiment.period, tether))
+        code = _spin(node, stop, tether, watches)
+        if options.debug and node.failure is not None:
+            traceback.print_exception(node.failure)
+        return code
+
+
+def _node(options: Namespace, start: Start, composition: Composition, context: Context) -> GraphNode:
+    role, out = options.role, Path(start.out)
+    extra = {"recorded": start.record, "patience": start.patience or inf} if role == "simulator" else {}
     node = make_node(
         role,
         composition,
-        Path(start.out),
+        out if options.directory is None else RunDirectory(out, inherited=options.directory),
         realtime=start.realtime or None,
         mode="processes",
         context=context,
         # The simulator's own is the one that may change in flight.
         rows=[row for row in parameter_rows(start) if row.name != REALTIME or role != "simulator"],
         overridable=True,
-        **({} if role != "simulator" else {"recorded": start.record}),
+        **extra,
     )
     if start.autostart:
         bring_up([node])
     return node
 
 
-def _spin(node: GraphNode, stop: StopFlag, progress: Callable[[GraphNode], None] | None) -> int:
+def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Callable[[], None]]) -> int:
     executor = make_executor(node.context)
     executor.add_node(node)
 
     def poll() -> None:
-        if stop.reason is not None:
-            node.end(stop.reason)
-        if progress is not None:
-            progress(node)
+        if (reason := stop.reason) is not None:
+            node.end(reason)
+        for watch in watches:
+            watch()
 
     # A timer, because the executor comes back from a spin only when it has nothing to do.
     node.create_timer(POLL_SECONDS, poll, clock=Clock(clock_type=ClockType.STEADY_TIME))
-    while node.end_reason is None:
-        spin(executor, node)
+    try:
+        while node.end_reason is None:
+            spin(executor, node)
+    except Interrupted as interruption:
+        # Out of a law that did not come back; asking for the reason tells that it was heard.
+        node.end(stop.reason or interruption.reason)
+    stop.ending()
+    reason = node.end_reason or "failed"
+    tether.tell(end=reason)
     if isinstance(node, RecorderNode):
-        drain(executor, node, node.end_reason)
-    node.flush(ACKNOWLEDGE_SECONDS)
+        tether.tell(logged=drain(executor, node, reason))
+    begun = monotonic()
+    node.flush(ACKNOWLEDGE_SECONDS, lambda: tether.hurry and monotonic() - begun > HURRIED_SECONDS)
     node.destroy_node()
     raise_bug(node)
     return 0 if node.failure is None else 1
 
 
-def _printer(period: int) -> Callable[[GraphNode], None]:
-    shown = -1.0
+def _progress(node: RecorderNode, period: int, tether: ChildEnd) -> Callable[[], None]:
+    told = -inf
 
-    def show(node: GraphNode) -> None:
-        nonlocal shown
-        if isinstance(node, RecorderNode) and monotonic() - shown > PROGRESS_SECONDS:
-            shown = monotonic()
-            print(f"tick {node.written_until // period}", flush=True)
+    def tell() -> None:
+        nonlocal told
+        if monotonic() - told > PROGRESS_SECONDS:
+            told = monotonic()
+            tether.tell(tick=node.written_until // period)
 
-    return show
+    return tell
 
 
 if __name__ == "__main__":

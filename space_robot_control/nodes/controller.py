@@ -10,6 +10,7 @@ from rclpy.duration import Duration
 from std_srvs.srv import Trigger
 
 from space_robot_control.laws.base import Law
+from space_robot_control.laws.guarded import guarded_update
 from space_robot_control.laws.switching import ACTIVE, Switching
 from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
@@ -22,7 +23,7 @@ from space_robot_msgs_py.codec.codecs import (
     peek_stamp,
 )
 from space_robot_msgs_py.errors import SpaceRobotError
-from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
+from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState
 from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
@@ -135,12 +136,15 @@ class ControllerNode(ManagedNode):
         self._last_stamp = state.stamp
         begun = perf_counter()
         try:
-            output = self._law.update(state, reference)
+            output = guarded_update(self._law, state, reference, self._tick_of(state.stamp))
         except SpaceRobotError as error:
             self.fail(error)
             return
         self._health.answered(state.stamp, begun)
         self._send(output)
+
+    def _tick_of(self, stamp: int) -> int:
+        return round(stamp / (self._law.control_period * NANOSECONDS))
 
     def _send(self, output: ControlOutput) -> None:
         if output.events:

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from space_robot_msgs_py.log.bag import Bag, intact
 from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.log.directory import BAG_SUFFIX, METADATA_FILE, prepare_directory, write_metadata_yaml
+from space_robot_msgs_py.log.directory import BAG_SUFFIX, METADATA_FILE, write_metadata_yaml
 from space_robot_msgs_py.log.merge import BagMerger
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.mcap.salvage import Damage
+from space_robot_msgs_py.log.run_directory import RunDirectory
 
 CUT = "cut"
 
@@ -74,9 +75,11 @@ def recover(source: Path | str, target: Path) -> Recovery:
         with tempfile.TemporaryDirectory(prefix=f".{place.name}.", dir=place.parent) as scratch:
             draft = Path(scratch) / f"{place.name}{BAG_SUFFIX}"
             reason, complaint = _write(merger, draft, str(source))
-            path = prepare_directory(target)
-            draft.replace(path)
-            draft.with_name(METADATA_FILE).replace(path.with_name(METADATA_FILE))
+            with RunDirectory(target) as locked:
+                locked.clear()
+                path = locked.bag
+                draft.replace(path)
+                draft.with_name(METADATA_FILE).replace(path.with_name(METADATA_FILE))
     except LogError:
         raise
     except OSError as error:

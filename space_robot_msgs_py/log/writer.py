@@ -10,12 +10,15 @@ from typing import IO
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec, encode_string
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.interfaces import PlantSample, Reference, Tick
-from space_robot_msgs_py.log.directory import TEMPORARY, prepare_directory, recorded_topics, write_metadata_yaml
+from space_robot_msgs_py.log.closing import Written, append_end, finish_bag, write_all
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.preamble import CHANNELS, END_NAME, preamble
 from space_robot_msgs_py.log.mcap.index import write_indexed
 from space_robot_msgs_py.log.mcap.records import message_bytes, metadata_bytes
 from space_robot_msgs_py.paths import StrPath
+from space_robot_msgs_py.log.mcap.records import message_bytes
+from space_robot_msgs_py.log.preamble import CHANNELS, preamble
+from space_robot_msgs_py.log.run_directory import RunDirectory, WatchedFile
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, TF, TF_STATIC, Topic
 from space_robot_msgs_py.transforms import FrameTransforms
 
@@ -31,30 +34,38 @@ class LogWriter:
 
     Transforms follow from the state: the writer makes them, so that the log of every mode has them, with the same bits.
 
+    Every file is reached through the open directory, and no other run can write there meanwhile. A file that is no
+    longer where it was, or a disk that takes no more, ends the log with a reason that says so, where one still fits.
+
     Args:
-        directory: run directory; it is made, a previous run in it is replaced, anything else in it is refused.
+        directory: run directory; it is made, a previous run in it is replaced, anything else in it is refused. One that
+            was opened and locked before stays so.
         header: provenance, written first.
         custom: remarks for ``metadata.yaml`` such as the mode; they are not in the .mcap.
 
     Raises:
-        LogError: the directory holds something else, or cannot be written.
+        LogError: the directory holds something else, another run writes to it, or it cannot be written.
     """
 
-    def __init__(self, directory: StrPath, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
-        self.path = prepare_directory(Path(directory))
+    def __init__(
+        self, directory: StrPath | RunDirectory, header: LogHeader, *, custom: Mapping[str, str] | None = None
+    ) -> None:
         self._custom = dict(custom or {})
         self._frames = FrameTransforms(header.urdf, header.joint_names)
-        self._counts = dict.fromkeys(CHANNELS, 0)
-        self._last = -1
-        self._ticks = 0
+        self._borrowed = isinstance(directory, RunDirectory)
+        self._place = directory if isinstance(directory, RunDirectory) else RunDirectory(Path(directory))
+        self.path = self._place.bag
+        self._written = Written()
         self._stream: IO[bytes] | None = None
         with self._guarded():
-            self._stream = self.path.open("wb")
+            self._place.clear()
+            self._stream = self._place.create(self.path.name, buffering=0)
+            self._watched = WatchedFile(self.path, self._stream)
         self._append(preamble(header))
 
     def write_description(self, urdf: str) -> None:
         """Write ``robot_description`` and ``/tf_static`` at stamp 0, before the first tick."""
-        if self._ticks or self._counts[ROBOT_DESCRIPTION.name]:
+        if self._written.ticks or self._written.counts[ROBOT_DESCRIPTION.name]:
             raise LogError("the description is the first message and the only one of its kind", key=str(self.path))
         records = [self._record(ROBOT_DESCRIPTION, 0, encode_string(urdf))]
         if self._frames.static is not None:
@@ -80,68 +91,77 @@ class LogWriter:
 
     def write_row(self, stamp: int, row: Sequence[bytes | None]) -> None:
         """Write the messages of one stamp, given in the order of ``LOGGED``; None where there is none."""
-        if stamp <= self._last:
+        if stamp <= self._written.last:
             raise LogError(
-                "time does not go on", key=str(self.path), value=stamp, accepted=f"more than {self._last} ns"
+                "time does not go on", key=str(self.path), value=stamp, accepted=f"more than {self._written.last} ns"
             )
         records = []
         for topic, channel, data in zip(LOGGED, _IDS, row, strict=True):
             if data is not None:
-                records.append(message_bytes(channel, self._counts[topic.name], stamp, data))
-                self._counts[topic.name] += 1
+                records.append(message_bytes(channel, self._written.counts[topic.name], stamp, data))
+                self._written.counts[topic.name] += 1
         transforms = self._frames.from_messages(row[_BASE], row[_JOINTS])
         if transforms is not None:
             records.append(self._record(TF, stamp, transforms))
         self._append(b"".join(records))
-        self._last = stamp
-        self._ticks += 1
+        self._written.last = stamp
+        self._written.ticks += 1
 
     def close(self, reason: str) -> None:
         """Write the reason of the end, index the file and write ``metadata.yaml``; later calls do nothing.
 
-        A kill at any time in here leaves a readable file: the indexed one replaces the plain one at once.
-
         Raises:
-            LogError: the disk refuses; the plain file stays.
+            LogError: the disk refuses; the plain file stays, and its reason says what the disk refused.
         """
         if self._stream is None:
             return
-        self._append(metadata_bytes(END_NAME, {"reason": reason, "ticks": str(self._ticks)}))
-        temporary = self.path.with_name(self.path.name + TEMPORARY)
-        with self._guarded(leftover=temporary):
-            self._stream.close()
-            self._stream = None
-            write_indexed(self.path, temporary)
-            temporary.replace(self.path)
-            custom = self._custom | {"end_reason": reason}
-            write_metadata_yaml(self.path, recorded_topics(self._counts), last_stamp=max(self._last, 0), custom=custom)
+        with self._guarded():
+            try:
+                self._watched.check()
+                finish_bag(self._place, self._stream, self._written, reason, self._custom)
+            except OSError:
+                raise
+            except BaseException:
+                # A signal ended the process while it was indexed: the plain file has the reason already.
+                self._release()
+                raise
+        self._release()
 
     def _record(self, topic: Topic, stamp: int, data: bytes) -> bytes:
-        sequence = self._counts[topic.name]
-        self._counts[topic.name] += 1
+        sequence = self._written.counts[topic.name]
+        self._written.counts[topic.name] += 1
         return message_bytes(CHANNELS[topic.name], sequence, stamp, data)
 
     def _append(self, data: bytes) -> None:
         if self._stream is None:
             raise LogError("the log is closed", key=str(self.path))
         with self._guarded():
-            self._stream.write(data)
-            self._stream.flush()
+            write_all(self._stream, data)
+            self._watched.check()
+        self._written.size += len(data)
 
     @contextmanager
-    def _guarded(self, leftover: Path | None = None) -> Iterator[None]:
+    def _guarded(self) -> Iterator[None]:
         """Whatever the disk refuses becomes one LogError; the log is then closed for good."""
         try:
             yield
         except OSError as error:
-            stream, self._stream = self._stream, None
-            if stream is not None:
+            refusal = error
+            if not isinstance(error, LogError):
+                refusal = LogError(f"the log cannot be written: {error.strerror or error}", key=str(self.path))
+            if self._stream is not None and self._written.size:
                 with suppress(OSError):
-                    stream.close()
-            if leftover is not None:
-                with suppress(OSError):
-                    leftover.unlink()
-            raise LogError(f"the log cannot be written: {error.strerror or error}", key=str(self.path)) from None
+                    append_end(self._stream, self._written, f"recorder: {refusal}")
+            self._release()
+            raise refusal from None
+
+    def _release(self) -> None:
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            with suppress(OSError):
+                stream.close()
+        if not self._borrowed:
+            self._place.close()
 
 
 class LogSink:
@@ -153,7 +173,9 @@ class LogSink:
         custom: remarks for ``metadata.yaml``.
     """
 
-    def __init__(self, directory: StrPath, header: LogHeader, *, custom: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self, directory: StrPath | RunDirectory, header: LogHeader, *, custom: Mapping[str, str] | None = None
+    ) -> None:
         self._codec = TickCodec(header.joint_names)
         self.writer = LogWriter(directory, header, custom=custom)
         self.writer.write_description(header.urdf)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from time import monotonic
 from typing import Any
 
 from rclpy.context import Context
@@ -19,6 +20,8 @@ from space_robot_msgs_py.nodes.parameters import NodeParameters
 from space_robot_msgs_py.parameters import ParameterRow
 from space_robot_msgs_py.ros import message_class, qos
 from space_robot_msgs_py.topics import RUN_END, Topic
+
+FLUSH_SECONDS = 0.1
 
 
 class GraphNode(Node):  # type: ignore[misc]
@@ -51,6 +54,7 @@ class GraphNode(Node):  # type: ignore[misc]
         **options: Any,
     ) -> None:
         super().__init__(name, context=context, **options)
+        self._readers: dict[Topic, Subscription] = {}
         self._qos_options = QoSOverridingOptions.with_default_policies() if overridable else None
         self.parameters = NodeParameters(self, self.tune)
         self.parameters.declare(rows)
@@ -88,9 +92,11 @@ class GraphNode(Node):  # type: ignore[misc]
             except Exception as error:
                 self.fail(error)
 
-        return self.create_subscription(
+        reader = self.create_subscription(
             message_class(topic), topic.name, guarded, qos(topic), raw=True, qos_overriding_options=self._qos_options
         )
+        self._readers[topic] = reader
+        return reader
 
     def end(self, reason: str) -> None:
         """Tell the whole graph that the run is over, and why; the first reason counts."""
@@ -104,10 +110,26 @@ class GraphNode(Node):  # type: ignore[misc]
         self.get_logger().error(f"{error}")
         self.end(f"{self.get_name()}: {error}")
 
-    def flush(self, seconds: float) -> None:
-        """Wait until everything published is acknowledged by every matched subscriber, at most that long each."""
+    def publisher_count(self, topic: Topic) -> int | None:
+        """How many publishers this node hears on a topic; None where it does not listen to it."""
+        reader = self._readers.get(topic)
+        # A reader that was destroyed, as by a cleanup, is no longer among them.
+        if reader is None or not any(one is reader for one in self.subscriptions):
+            return None
+        return int(reader.get_publisher_count())
+
+    def flush(self, seconds: float, hurried: Callable[[], bool] = lambda: False) -> None:
+        """Wait until everything published is acknowledged by every matched subscriber, at most that long in all.
+
+        Args:
+            seconds: at most.
+            hurried: asked often; True: wait no longer.
+        """
+        deadline = monotonic() + seconds
         for publisher in self.publishers:
-            publisher.wait_for_all_acked(Duration(seconds=seconds))
+            while not publisher.wait_for_all_acked(Duration(seconds=FLUSH_SECONDS)):
+                if monotonic() > deadline or hurried():
+                    return
 
     def _on_run_end(self, raw: bytes) -> None:
         try:

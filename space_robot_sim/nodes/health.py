@@ -27,6 +27,7 @@ class SimulatorStatus(NamedTuple):
         period: control period [ns].
         started: the first state was published.
         standing: time may not pass: paused, not active, or at the end of the run.
+        unrecorded: the state has its answer, but the recorder has not written the ticks before.
         sample: the newest of the plant.
         commands: refused, missed and late ones, counted by reason.
     """
@@ -36,6 +37,7 @@ class SimulatorStatus(NamedTuple):
     period: int
     started: bool
     standing: bool
+    unrecorded: bool
     sample: PlantSample | None
     commands: Mapping[str, int]
 
@@ -81,6 +83,13 @@ class SimulatorHealth:
                 key="recorder/credit",
                 value=lasted,
                 accepted=f"recorder, guidance and controller on one domain {limit}",
+            )
+        if status.unrecorded:
+            return SilenceError(
+                f"the ticks before {status.stamp} ns are not recorded",
+                key="recorder/credit",
+                value=lasted,
+                accepted=f"a recorder that writes {limit}; is it running?",
             )
         return SilenceError(
             f"no command answers the state at {status.stamp} ns",

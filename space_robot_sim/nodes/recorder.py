@@ -11,13 +11,15 @@ from rclpy.subscription import Subscription
 from rclpy.time import Time
 
 from space_robot_msgs_py.codec.codecs import LOGGED, TopicBytes, decode_string, encode_clock
-from space_robot_msgs_py.errors import CommandError, SpaceRobotError
+from space_robot_msgs_py.errors import CommandError, LogError, SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import BASE_ODOM, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic
 
 WINDOW = 50
 EARLY = 64
-AHEAD = 256
+# The simulator may be so many ticks ahead of what is on the disk. Where the recorder can die alone, no further than the
+# tick that is being recorded, or what it had heard would be lost with it.
+AHEAD_IN_ONE_PROCESS, AHEAD_BESIDE = 256, 0
 ROLL_CALL_SECONDS = 0.02
 GRACE_SECONDS = 1.0
 
@@ -40,7 +42,7 @@ class RecorderNode(GraphNode):
 
     The order in the file is by stamp, then by table, whatever the order of arrival: equal runs give equal files.
     Nothing is lost: the simulator starts when the recorder hears every topic (a controller of somebody else may have
-    no telemetry: it gets a second) and never runs more than ``AHEAD`` ticks ahead of what is written, which is well
+    no telemetry: it gets a second) and never runs more than ``ahead`` ticks ahead of what is written, which is well
     inside the depth of the queues. After ``~/reset`` a new log begins, once the first state of the new run is heard;
     messages that overtook it are kept (``EARLY`` ticks).
 
@@ -51,6 +53,7 @@ class RecorderNode(GraphNode):
         steps: number of periods of the run; the log ends with tick ``steps``.
         lossless: every topic there is will speak at every stamp (lock-step); False: a stamp may miss some (paced), it
             is then written after ``WINDOW`` ticks as it is.
+        ahead: ticks that the simulator may be ahead of the log; 0: state k comes when tick k - 1 is in the log.
         options: see GraphNode.
     """
 
@@ -62,6 +65,7 @@ class RecorderNode(GraphNode):
         period: int,
         steps: int,
         lossless: bool = True,
+        ahead: int = AHEAD_IN_ONE_PROCESS,
         name: str = "recorder",
         **options: Any,
     ) -> None:
@@ -71,7 +75,7 @@ class RecorderNode(GraphNode):
         self._period, self._last = period, steps * period
         self._next = 0
         self._newest_state = -1
-        self.lossless = lossless
+        self.lossless, self._ahead = lossless, ahead
         self._early: dict[int, dict[Topic, bytes]] = {}
         self._urdf: str | None = None
         self._pending: dict[int, dict[Topic, bytes]] = {}
@@ -100,15 +104,23 @@ class RecorderNode(GraphNode):
         """Stamp of the newest tick in the log [ns]; -1: none."""
         return self._next - self._period if self._next else -1
 
-    def finish(self, reason: str) -> None:
-        """Write what is left of the ticks the robot reached and close the log; later calls do nothing."""
-        if self.closed:
-            return
+    def finish(self, reason: str) -> str:
+        """Write what is left of the ticks the robot reached and close the log; later calls do nothing.
+
+        Returns:
+            The reason; where the log cannot be written, that.
+        """
+        if not self.closed and not isinstance(self.failure, LogError):
+            self.closed = True
+            try:
+                for stamp in sorted(self._pending):
+                    if stamp <= self._newest_state:
+                        self._write(stamp)
+                self._writer.close(reason)
+            except LogError as error:
+                self.fail(error)
         self.closed = True
-        for stamp in sorted(self._pending):
-            if stamp <= self._newest_state:
-                self._write(stamp)
-        self._writer.close(reason)
+        return f"{self.get_name()}: {self.failure}" if isinstance(self.failure, LogError) else reason
 
     def _call_roll(self) -> None:
         """Let the run start once everybody who has to be there is heard, and the optional ones had their second."""
@@ -127,8 +139,8 @@ class RecorderNode(GraphNode):
 
     def _give_credit(self) -> None:
         """Half of what was given is still unused when the next comes: nobody waits for it."""
-        reach = self._next + AHEAD * self._period
-        if reach >= self._given + AHEAD // 2 * self._period:
+        reach = self._next + self._ahead * self._period
+        if reach >= self._given + self._ahead // 2 * self._period:
             self._given = reach
             self._credit_publisher.publish(encode_clock(reach))
 

@@ -25,7 +25,8 @@ class SimulatorNode(ManagedNode):
     further ahead of it than its credit, so that nothing is lost.
 
     Paced (``realtime`` given): the steady clock advances the plant, a period without a command is flown with the newest
-    valid one or the plant's hold, and both are counted. The factor is the dynamic parameter ``realtime``.
+    valid one or the plant's hold, and both are counted. The factor is the dynamic parameter ``realtime``. It waits
+    for a recorder that does not keep up.
 
     Deactivated, time stands still; after cleanup the plant is built anew and the run starts again.
 
@@ -140,7 +141,10 @@ class SimulatorNode(ManagedNode):
     def _status(self) -> SimulatorStatus:
         standing = self.paused or not self.active or self.end_reason is not None
         counts = self.commands.counts
-        return SimulatorStatus(self.tick, self.stamp, self._period, self.started, standing, self.sample, counts)
+        unrecorded = self.started and self._outruns_recorder() and self.commands.answered
+        return SimulatorStatus(
+            self.tick, self.stamp, self._period, self.started, standing, unrecorded, self.sample, counts
+        )
 
     def _on_credit(self, raw: bytes) -> None:
         self._credit = max(self._credit, decode_clock(raw))
@@ -180,9 +184,11 @@ class SimulatorNode(ManagedNode):
     def _may_advance(self) -> bool:
         if not self.active or self.end_reason is not None or not self.started:
             return False
-        if self.pacer is None and self.tick < self._steps and self.stamp + self._period > self._credit:
-            return False
-        return self._gate.take()
+        return not self._outruns_recorder() and self._gate.take()
+
+    def _outruns_recorder(self) -> bool:
+        """The next state would be further ahead of the log than the recorder allows; a paced run waits, too."""
+        return self.tick < self._steps and self.stamp + self._period > self._credit
 
     def _advance(self, command: Command | None) -> None:
         if self.tick == self._steps:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import time
+from typing import Any
 
 import numpy as np
 
@@ -43,3 +45,66 @@ class Deadly(Law):
         """Never return."""
         os.kill(os.getpid(), signal.SIGKILL)
         raise AssertionError("survived")
+
+
+class Exits(Law):
+    """Wants to end the process at 0.5 s."""
+
+    name = "exits"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return nothing until then."""
+        if state.stamp >= NANOSECONDS // 2:
+            raise SystemExit("enough of\nthis")
+        return np.zeros(6 + self.n), {}
+
+
+class Endless(Law):
+    """Computes for ever from 0.5 s on."""
+
+    name = "endless"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return nothing until then."""
+        while state.stamp >= NANOSECONDS // 2:
+            pass
+        return np.zeros(6 + self.n), {}
+
+
+class Asleep(Law):
+    """Waits for ever from 0.5 s on."""
+
+    name = "asleep"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return nothing until then."""
+        if state.stamp >= NANOSECONDS // 2:
+            time.sleep(1e6)
+        return np.zeros(6 + self.n), {}
+
+
+class NeverMade(Law):
+    """Never gets out of its constructor, as one that is compiled for a long time."""
+
+    name = "never_made"
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        print("making", flush=True)
+        while True:
+            pass
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never called."""
+        raise AssertionError
+
+
+class Talkative(Law):
+    """Prints what it thinks, and what looks like progress."""
+
+    name = "talkative"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return nothing."""
+        print("tick\ntick x\n{", flush=True)
+        return np.zeros(6 + self.n), {}

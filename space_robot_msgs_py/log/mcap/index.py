@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import zlib
 from collections import Counter
-from pathlib import Path
 from typing import IO
 
 import zstandard
@@ -31,21 +30,21 @@ from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, flatten
 CHUNK_SIZE = 1 << 17
 
 
-def write_indexed(source: Path, target: Path) -> None:
+def write_indexed(incoming: IO[bytes], outgoing: IO[bytes], key: str) -> None:
     """Copy a file with its messages in zstd chunks and an index behind them; what is in it stays the same.
 
     Args:
-        source: an MCAP file, whole or cut; what stands behind its last complete record is left out.
-        target: is written, and on the disk when this returns.
+        incoming: an MCAP file, whole or cut; what stands behind its last complete record is left out.
+        outgoing: an empty file; its content is on the disk when this returns.
+        key: name of the first, for error messages.
     """
-    with source.open("rb") as incoming, target.open("wb") as outgoing:
-        incoming.seek(len(MAGIC))
-        writer = IndexedWriter(outgoing, str(source))
-        for opcode, content in flatten(scan(incoming, os.fstat(incoming.fileno()).st_size), str(source)):
-            writer.add(opcode, content)
-        writer.finish()
-        outgoing.flush()
-        os.fsync(outgoing.fileno())
+    incoming.seek(len(MAGIC))
+    writer = IndexedWriter(outgoing, key)
+    for opcode, content in flatten(scan(incoming, os.fstat(incoming.fileno()).st_size), key):
+        writer.add(opcode, content)
+    writer.finish()
+    outgoing.flush()
+    os.fsync(outgoing.fileno())
 
 
 class IndexedWriter:

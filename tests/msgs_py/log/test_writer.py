@@ -13,6 +13,7 @@ from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.writer import LogSink, LogWriter, MemorySink
 from space_robot_msgs_py.topics import CLOCK, CONTROLLER_TELEMETRY
 from tests.support import values
+from tests.support.paths import ROOT
 
 
 def write(directory, ticks, *, reason="completed", **options):
@@ -68,7 +69,7 @@ WRITER = """
 import sys
 from pathlib import Path
 from space_robot_msgs_py.log.writer import LogSink
-from tests import values
+from tests.support import values
 sink = LogSink(Path(sys.argv[1]), values.HEADER)
 for count, tick in enumerate(values.run_ticks(500), start=1):
     sink.record(tick)
@@ -100,11 +101,11 @@ def test_kill_loses_no_tick_that_was_written(tmp_path, kill_after):
 def test_kill_between_end_and_index_leaves_the_plain_file(tmp_path, monkeypatch):
     """A run that dies while its file is indexed is whole, with its reason, and can be replaced by the next run."""
 
-    def die(source, target):
-        target.write_bytes(b"half an index")
+    def die(incoming, outgoing, key):
+        outgoing.write(b"half an index")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("space_robot_msgs_py.log.writer.write_indexed", die)
+    monkeypatch.setattr("space_robot_msgs_py.log.closing.write_indexed", die)
     with pytest.raises(KeyboardInterrupt):
         write(tmp_path / "run", values.run_ticks(3))
     monkeypatch.undo()
@@ -200,7 +201,7 @@ def test_a_file_in_the_way_is_named(tmp_path):
         assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("limit", [100, 20_000, 60_000])
+@pytest.mark.parametrize("limit", [100, 20_000, 64_000])
 def test_a_full_disk_is_one_clear_error(tmp_path, limit):
     """When the disk takes no more the run gets one LogError, and what was written before stays readable."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -216,6 +217,7 @@ def test_a_full_disk_is_one_clear_error(tmp_path, limit):
         expected = values.run_ticks(100)[: len(ticks)]
         assert len(ticks) > 5
         assert [values.bits(tick) for tick in ticks] == [values.bits(tick) for tick in expected]
+        assert "recorder: " in str(LogReader(tmp_path / "run").end_reason)
 
 
 def test_memory_sink_keeps_everything():
