@@ -7,15 +7,18 @@ import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from time import monotonic
+from typing import TypeVar
 
 from space_robot_msgs_py.errors import InputFileError, LogError
 from space_robot_msgs_py.log_reader import LogReader
+from tests.integration.forks import Fork
 
+Child = TypeVar("Child", subprocess.Popen[str], Fork)
 POLL_SECONDS = 0.2
 
 
 @contextlib.contextmanager
-def ended(children: Sequence[subprocess.Popen[str]]) -> Iterator[Sequence[subprocess.Popen[str]]]:
+def ended(children: Sequence[Child]) -> Iterator[Sequence[Child]]:
     """Whatever happens in the block, none of them outlives it."""
     try:
         yield children
@@ -33,7 +36,7 @@ def ticks_in(run: Path) -> int:
     return 0
 
 
-def await_ticks(run: Path, count: int, child: subprocess.Popen[str], seconds: float) -> None:
+def await_ticks(run: Path, count: int, child: subprocess.Popen[str] | Fork, seconds: float) -> None:
     """Wait until the log holds so many ticks; the child whose run it is must go on."""
     deadline = monotonic() + seconds
     while (seen := ticks_in(run)) < count:

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import mmap
-import os
 import signal
 import struct
-import subprocess
-import sys
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -17,22 +14,14 @@ import pytest
 from space_robot_bringup.experiment import load_experiment, with_duration
 from space_robot_bringup.run import Hooks, run_experiment
 from space_robot_msgs_py.log_reader import LogReader
+from tests.integration.follow import ended
+from tests.integration.forks import Fork, fork_main
 
 pytest.importorskip("rclpy")
+from tests.integration.pilot import fly_on
+
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 PERIOD = 250_000_000
-
-# Flies fig08 for a very long time and leaves the tick it has reached in shared memory, where a kill cannot hide it.
-PILOT = """
-import mmap, struct, sys
-from pathlib import Path
-from space_robot_bringup.experiment import load_experiment
-from space_robot_bringup.run import Hooks, run_experiment
-file = open(sys.argv[2], "r+b")
-board = mmap.mmap(file.fileno(), 8)
-hooks = Hooks(on_tick=lambda tick: struct.pack_into("<q", board, 0, tick))
-run_experiment(load_experiment("liu2023/fig08", ["duration=25000.0"]), Path(sys.argv[1]), mode="graph", hooks=hooks)
-"""
 
 
 def wait_for(condition: object, what: str, seconds: float = 30.0) -> None:
@@ -50,13 +39,13 @@ def test_sigkill_loses_at_most_one_control_period(tmp_path: Path) -> None:
         run, board = tmp_path / f"run{attempt}", tmp_path / f"board{attempt}"
         board.write_bytes(struct.pack("<q", -1))
         with board.open("r+b") as file, mmap.mmap(file.fileno(), 8) as view:
-            pilot = subprocess.Popen([sys.executable, "-c", PILOT, str(run), str(board)])
+            pilot = Fork(fly_on, run, board)
             try:
                 wait_for(lambda view=view: struct.unpack("<q", view[:8])[0] >= 3, "the flight to begin")
                 sleep(float(rng.uniform(0.0, 0.5)))
             finally:
-                os.kill(pilot.pid, signal.SIGKILL)
-                pilot.wait()
+                pilot.kill()
+                assert pilot.wait() == -signal.SIGKILL
             reached = struct.unpack("<q", view[:8])[0]
         log = LogReader(run)
         stamps = [tick.stamp for tick in log.ticks()]
@@ -71,14 +60,14 @@ def test_sigkill_loses_at_most_one_control_period(tmp_path: Path) -> None:
 def test_a_signal_closes_the_log_and_says_so(tmp_path: Path, mode: str, number: signal.Signals, reason: str) -> None:
     """Ctrl-C and SIGTERM leave a closed, readable log with the reason in it, exit code 1 and no traceback."""
     run = tmp_path / "run"
-    command = [sys.executable, "-m", "space_robot_bringup", "run", "liu2023/fig08", "--mode", mode, "--out", str(run)]
-    flown = subprocess.Popen([*command, "--duration", "250000"], stderr=subprocess.PIPE, stdout=subprocess.PIPE)
-    wait_for(lambda: any(path.stat().st_size > 100_000 for path in run.glob("*.mcap")), "some of the flight")
-    flown.send_signal(number)
-    stdout, stderr = flown.communicate(timeout=60)
-    assert b"Traceback" not in stderr, stderr.decode()
+    command = ["run", "liu2023/fig08", "--mode", mode, "--out", str(run), "--duration", "250000"]
+    with ended([fork_main("space_robot_bringup.cli", *command)]) as (flown,):
+        wait_for(lambda: any(path.stat().st_size > 100_000 for path in run.glob("*.mcap")), "some of the flight")
+        flown.send_signal(number)
+        stdout, stderr = flown.communicate(timeout=60)
+    assert "Traceback" not in stderr, stderr
     assert flown.returncode == 1
-    assert reason.encode() in stdout
+    assert reason in stdout
     log = LogReader(run)
     assert log.end_reason == reason
     assert (run / "metadata.yaml").is_file()
