@@ -3,46 +3,51 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
+import signal
 from pathlib import Path
 
 import pytest
 
 from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.run import run_experiment
-from tests.integration.follow import ended
+from space_robot_msgs_py.log_reader import LogReader
+from tests.integration.follow import await_ticks, ended
+from tests.integration.forks import Fork, fork_main
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
 DEADLINE = 90.0
+SHORT = "duration=50.0"
+PLANS = {
+    "long": ["controller.law=computed_torque", "reference.roll.amplitude_deg=5.0"],
+    "short": ["controller.law=computed_torque", "reference.roll.amplitude_deg=7.0"],
+}
 
 
 def test_two_runs_at_once_leave_the_logs_of_two_runs_alone(tmp_path: Path) -> None:
-    """With no domain given, each takes one for itself: equal topic names, and yet each file is as without ROS."""
+    """With no domain given, each takes one for itself: equal topic names, and yet each log is as without ROS.
+
+    One is a graph that flies all the time, the other is flown by processes meanwhile.
+    """
     environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
-    amplitudes = {"one": 5.0, "other": 7.0}
-    overrides = {
-        name: ["controller.law=computed_torque", "duration=50.0", f"reference.roll.amplitude_deg={amplitude}"]
-        for name, amplitude in amplitudes.items()
-    }
-    command = [sys.executable, "-m", "space_robot_bringup", "run", "liu2023/fig11", "--mode", "processes"]
-    children = [
-        subprocess.Popen(
-            [*command, "--out", str(tmp_path / name), *(word for key in keys for word in ("--set", key))],
-            env=environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        for name, keys in overrides.items()
-    ]
-    with ended(children):
-        said = [child.communicate(timeout=DEADLINE)[1] for child in children]
-    # The verdict expects what the paper's own law reaches; here only the files count.
-    assert {child.returncode for child in children} <= {0, 1}, said
-    for name, keys in overrides.items():
-        run_experiment(load_experiment("liu2023/fig11", keys), tmp_path / "alone" / name, mode="headless")
-        flown, alone = (folder / name / f"{name}_0.mcap" for folder in (tmp_path, tmp_path / "alone"))
-        assert flown.read_bytes() == alone.read_bytes()
+
+    def fly(name: str, mode: str, duration: str) -> Fork:
+        sets = [word for key in (*PLANS[name], duration) for word in ("--set", key)]
+        command = ["run", "liu2023/fig11", "--mode", mode, "--out", str(tmp_path / name), *sets]
+        return fork_main("space_robot_bringup.cli", *command, environment=environment)
+
+    with ended([fly("long", "graph", "duration=250000.0")]) as (long,):
+        await_ticks(tmp_path / "long", 10, long, DEADLINE)
+        with ended([fly("short", "processes", SHORT)]) as (short,):
+            said = short.communicate(DEADLINE)[1]
+        assert long.poll() is None
+        long.send_signal(signal.SIGINT)
+        # The verdict expects what the paper's own law reaches; here only the logs count.
+        assert (short.returncode, long.wait(DEADLINE)) == (1, 1), said
+    for name, keys in PLANS.items():
+        run_experiment(load_experiment("liu2023/fig11", [*keys, SHORT]), tmp_path / "alone" / name, mode="headless")
+        alone, flown = (list(LogReader(place / name).messages()) for place in (tmp_path / "alone", tmp_path))
+        assert len(alone) > 2000
+        assert flown[: len(alone)] == alone
+    assert LogReader(tmp_path / "short").end_reason == "completed"

@@ -31,6 +31,8 @@ from space_robot_bringup.replay.comparison import EXACT
 from space_robot_bringup.replay.publish import Answers, PublishOrder, open_broadcast
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_sim.nodes.replayer import ReplayerNode
+from tests.integration.follow import ended
+from tests.integration.forks import fork_main
 from tests.integration.tool import Tool, refused
 from tests.replays import fly
 
@@ -258,11 +260,10 @@ def test_the_tool_and_a_controller_process_meet(space_robot: Tool, bag: Path, mo
     """`replay --publish` against our controller in a process of its own: equal, exit 0."""
     with reserved_domain() as domain:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-        module = [sys.executable, "-m", "space_robot_bringup.nodes.process", "controller"]
         options = ["--experiment", "liu2023/fig08", "--set", SHORT, "--out", "unused"]
-        controller = subprocess.Popen([*module, *options], env=dict(os.environ))
-        done = space_robot("replay", str(bag), "--publish")
-        assert controller.wait(timeout=30) == 0
+        with ended([fork_main("space_robot_bringup.nodes.process", "controller", *options)]) as (controller,):
+            done = space_robot("replay", str(bag), "--publish")
+            assert controller.wait(timeout=30) == 0
     assert done.returncode == 0, done.stdout + done.stderr
     assert "answers: EQUAL, 42 messages" in done.stdout
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -19,11 +19,14 @@ from space_robot_bringup.experiment import load_experiment
 from space_robot_bringup.graph import MANAGED, reserved_domain
 from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.log_reader import LogReader
+from tests.integration.follow import Child, ended
+from tests.integration.forks import Fork, fork_main
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
 ROOT = Path(__file__).parents[2]
-Starter = Callable[..., "subprocess.Popen[str]"]
+NODE = "space_robot_bringup.nodes.process"
+Starter = Callable[..., Fork]
 ROLES = ("recorder", "guidance", "controller", "simulator")
 LAW = "examples/my_law.py:PdPlus"
 PARAMETERS = f"""
@@ -39,36 +42,39 @@ PARAMETERS = f"""
 
 @pytest.fixture
 def start() -> Iterator[Starter]:
-    """Starts one node as a process; none survives the test."""
-    children: list[subprocess.Popen[str]] = []
+    """Starts one node in a fork; none survives the test."""
+    children: list[Fork] = []
 
-    def begin(role: str, domain: int, *arguments: str) -> subprocess.Popen[str]:
+    def begin(role: str, domain: int, *arguments: str) -> Fork:
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
-        command = [sys.executable, "-m", "space_robot_bringup.nodes.process", role, *arguments]
-        children.append(subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, cwd=ROOT))
+        children.append(fork_main(NODE, role, *arguments, cwd=ROOT, environment=environment))
         return children[-1]
 
-    yield begin
-    for child in children:
-        if child.poll() is None:
-            child.kill()
-            child.communicate()
+    with ended(children):
+        yield begin
 
 
-def ended(children: list[subprocess.Popen[str]]) -> list[str]:
-    """What they said, all of them having ended well."""
+def start_program(role: str, domain: int, *arguments: str) -> subprocess.Popen[str]:
+    """Starts one node as a program of its own."""
+    environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
+    command = [sys.executable, "-m", NODE, role, *arguments]
+    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+
+
+def all_well(children: Sequence[Child]) -> None:
+    """They all end with 0."""
     said = [child.communicate(timeout=120)[1] for child in children]
     assert [child.returncode for child in children] == [0] * len(children), said
-    return said
 
 
 def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path, start: Starter) -> None:
-    """Experiment, law, gains and overrides from --params-file give the bits of a run with the same overrides."""
+    """Nodes given experiment, law, gains and overrides by --params-file leave the bits of a run with the same."""
     file, run = tmp_path / "parameters.yaml", tmp_path / "run"
     file.write_text(PARAMETERS)
     given = ["--ros-args", "--params-file", str(file), "-p", f"out:={run}"]
-    with reserved_domain() as domain:
-        ended([start(role, domain, *given) for role in ROLES])
+    with reserved_domain() as domain, ended([start_program("controller", domain, *given)]) as controller:
+        all_well([start(role, domain, *given) for role in ROLES if role != "controller"])
+        all_well(controller)
     sets = [f"controller.law={ROOT / LAW}", "controller.gains.bandwidth=0.6", "duration=5.0", "seed=3"]
     run_experiment(load_experiment("liu2023/fig08", sets), tmp_path / "same" / "run", mode="headless")
     same = LogReader(tmp_path / "same" / "run")
@@ -88,11 +94,12 @@ def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path, start: St
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
         done = subprocess.run(manager, env=environment, capture_output=True, text=True, timeout=240, check=False)
         assert done.returncode == 0, done.stderr
-        ended(children)
-        alone = [*manager, "--patience", "0.5"]
-        nobody = subprocess.run(alone, env=environment, capture_output=True, text=True, timeout=60, check=False)
-    assert nobody.returncode == 1
-    assert "controller/get_state: does not answer" in nobody.stderr
+        all_well(children)
+        alone = fork_main("space_robot_bringup.nodes.manager", "--patience", "0.5", environment=environment)
+        with ended([alone]):
+            said = alone.communicate(timeout=60)[1]
+    assert alone.returncode == 1
+    assert "controller/get_state: does not answer" in said
     run_experiment(load_experiment("liu2023/fig08", ["duration=5.0"]), tmp_path / "same" / "run", mode="headless")
     assert list(LogReader(run).messages()) == list(LogReader(tmp_path / "same" / "run").messages())
 
@@ -101,7 +108,7 @@ def test_two_robots_on_one_domain_do_not_hear_each_other(tmp_path: Path, start: 
     """Each in its namespace, on one domain at the same time, they fly what each would fly alone."""
     plans = {"alpha": ["duration=5.0"], "beta": ["duration=5.0", "controller.gains.kappa=0.5"]}
     with reserved_domain() as domain:
-        ended(
+        all_well(
             [
                 start(role, domain, "--out", str(tmp_path / name), *_sets(sets), "--ros-args", "-r", f"__ns:=/{name}")
                 for name, sets in plans.items()
@@ -122,7 +129,7 @@ def test_topics_can_be_remapped_and_their_quality_overridden(tmp_path: Path, sta
     ]
     run = tmp_path / "run"
     with reserved_domain() as domain:
-        ended([start(role, domain, "--out", str(run), "--set", "duration=5.0", *remapped) for role in ROLES])
+        all_well([start(role, domain, "--out", str(run), "--set", "duration=5.0", *remapped) for role in ROLES])
     run_experiment(load_experiment("liu2023/fig08", ["duration=5.0"]), tmp_path / "same" / "run", mode="headless")
     assert list(LogReader(run).messages()) == list(LogReader(tmp_path / "same" / "run").messages())
 
