@@ -83,7 +83,13 @@ class Fork:
 
 def fork_main(module: str, *arguments: str, **options: Any) -> Fork:
     """``python -m module arguments``, by the module's ``main``."""
-    return Fork(_main, module, arguments, **options)
+    return Fork(run_main, module, arguments, **options)
+
+
+def run_main(module: str, arguments: Sequence[str]) -> Any:
+    """The ``main`` of a module with these arguments on its command line."""
+    sys.argv = [module, *arguments]
+    return import_module(module).main()
 
 
 @cache
@@ -107,8 +113,3 @@ def _begin(
         with path.open("wb") as file:
             os.dup2(file.fileno(), stream.fileno())
     sys.exit(function(*arguments))
-
-
-def _main(module: str, arguments: Sequence[str]) -> Any:
-    sys.argv = [module, *arguments]
-    return import_module(module).main()

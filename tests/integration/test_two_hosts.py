@@ -6,7 +6,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,11 +19,14 @@ from space_robot_bringup.run import run_experiment
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log_reader import LogReader
 from tests.integration.follow import await_ticks, ended, ticks_in
+from tests.integration.forks import Fork
+from tests.integration.hosts import NOT_SEEN, SEEN, look_for_simulator, main_on
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.netns, pytest.mark.xdist_group("hosts")]
 
 ADDRESSES = {"flight": "10.231.77.1", "ground": "10.231.77.2"}
+NODE = "space_robot_bringup.nodes.process"
 ROLES = {"recorder": "flight", "simulator": "flight", "guidance": "ground", "controller": "ground"}
 CUT_SECONDS = 5.0
 DEADLINE = 120.0
@@ -32,18 +34,6 @@ PACE, PERIOD = 2.0, 0.25
 # Hosts share no memory, the two namespaces of this machine would. What is heard by default is to be seen.
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "ROS_AUTOMATIC_DISCOVERY_RANGE"}
 ENVIRONMENT |= {"ROS_DOMAIN_ID": "7", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
-# Looks around until a simulator is seen, at most so many seconds.
-LOOK = """
-import sys
-from time import monotonic
-from rclpy.node import Node
-from space_robot_bringup.graph import local_context
-with local_context(7) as context:
-    node, end = Node("scout", context=context), monotonic() + float(sys.argv[1])
-    while "simulator" not in node.get_node_names() and monotonic() < end:
-        node.wait_for_node("simulator", 0.1)
-    print("simulator" in node.get_node_names())
-"""
 # A law that needs no compiler.
 EXPERIMENT, OVERRIDES = "liu2023/fig11", ["controller.law=computed_torque", "plant.hold=zero"]
 
@@ -55,25 +45,22 @@ class TwoHosts:
     flight: str
     ground: str
 
-    def start(self, role: str, run: Path, *options: str, named: bool = True) -> subprocess.Popen[str]:
+    def start(self, role: str, run: Path, *options: str, named: bool = True) -> Fork:
         """One node on the host where it belongs; ``named``: it knows the other host by its address."""
         host = ROLES[role]
         (other,) = (address for name, address in ADDRESSES.items() if name != host)
-        node = [sys.executable, "-m", "space_robot_bringup.nodes.process", role, "--experiment", EXPERIMENT]
         overrides = [word for override in OVERRIDES for word in ("--set", override)]
-        return subprocess.Popen(
-            ["ip", "netns", "exec", getattr(self, host), *node, "--out", str(run), *overrides, *options],
-            env=ENVIRONMENT | ({"ROS_STATIC_PEERS": other} if named else {}),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
+        return Fork(
+            main_on,
+            *(getattr(self, host), NODE, role, "--experiment", EXPERIMENT, "--out", str(run), *overrides, *options),
+            environment=ENVIRONMENT | ({"ROS_STATIC_PEERS": other} if named else {}),
         )
 
     def sees_simulator(self, host: str, seconds: float) -> bool:
         """Whether a node of ours that was told nothing sees the simulator from that host, within so many seconds."""
-        look = ["ip", "netns", "exec", getattr(self, host), sys.executable, "-c", LOOK, str(seconds)]
-        done = subprocess.run(look, env=ENVIRONMENT, capture_output=True, text=True, check=True)
-        return done.stdout.strip() == "True"
+        with ended([Fork(look_for_simulator, getattr(self, host), seconds, environment=ENVIRONMENT)]) as (scout,):
+            assert scout.wait(seconds + DEADLINE) in (SEEN, NOT_SEEN), scout.communicate()[1]
+            return scout.returncode == SEEN
 
     def cable(self, state: str) -> None:
         """``up`` or ``down``."""
@@ -124,7 +111,7 @@ def fly(hosts: TwoHosts, run: Path, ticks: int, *options: str) -> tuple[int, int
         sleep(CUT_SECONDS / 2)
         late = ticks_in(run)
         hosts.cable("up")
-        said = {role: child.communicate(timeout=DEADLINE)[0] for role, child in children.items()}
+        said = {role: child.communicate(timeout=DEADLINE)[1] for role, child in children.items()}
     assert [child.returncode for child in children.values()] == [0, 0, 0, 0], said
     assert LogReader(run).end_reason == "completed"
     return amid, late
@@ -159,7 +146,7 @@ def test_hosts_that_were_not_named_do_not_hear_each_other(hosts: TwoHosts, tmp_p
         assert hosts.sees_simulator("flight", DEADLINE)
         assert not hosts.sees_simulator("ground", CUT_SECONDS)
         simulator.send_signal(signal.SIGTERM)
-        said = simulator.communicate(timeout=DEADLINE)[0]
+        said = simulator.communicate(timeout=DEADLINE)[1]
     assert simulator.returncode == 0, said
 
 
