@@ -12,6 +12,7 @@ from rich.console import Console
 from space_robot_cli import campaign as command
 from space_robot_cli.render.comparison import show
 from space_robot_msgs_py.atomic_file import write_atomically
+from space_robot_msgs_py.bounded_files import is_directory, short
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_studies.campaign.campaign import CampaignResult
 from space_robot_studies.campaign.spec import Campaign
@@ -83,8 +84,8 @@ def _check_output(order: Order) -> None:
     for metric in order.metrics:
         if metric not in METRICS:
             raise SpecError("no such metric", key="--metric", value=metric, accepted=", ".join(METRICS))
-    if order.markdown is not None and not order.markdown.resolve().parent.is_dir():
-        raise InputFileError("no such folder", key="--markdown", value=str(order.markdown))
+    if order.markdown is not None and not is_directory(order.markdown.resolve().parent):
+        raise InputFileError("no such folder", key="--markdown", value=short(order.markdown))
 
 
 def _fly(order: Order, campaign: Campaign, place: Path, err: Console, warn: Callable[[str], None]) -> CampaignResult:
@@ -93,7 +94,7 @@ def _fly(order: Order, campaign: Campaign, place: Path, err: Console, warn: Call
         place,
         workers=order.workers,
         scheduler=None,
-        resume=order.resume and place.exists(),
+        resume=order.resume and is_directory(place),
         keep="none",
         console=err,
         quiet=order.as_json,

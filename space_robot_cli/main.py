@@ -6,6 +6,7 @@ Imports of the library stand inside the commands: numba and Pinocchio take a sec
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
 import traceback
@@ -30,7 +31,8 @@ from space_robot_cli.app import (
     out,
     warn,
 )
-from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
+from space_robot_cli.view_commands import NoBrowserOption, PortOption, beside, show_log
+from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 if TYPE_CHECKING:
@@ -156,7 +158,12 @@ def run(
             said = f"not as in the campaign: {'; '.join(found)}" if found else "every number is the campaign's"
             out.print(said, style="red" if found else "green", markup=False, soft_wrap=True)
     if view:
-        show_log(result.directory, port=port, open_browser=not no_browser)
+        from space_robot_description.load import load_robot
+        from space_robot_description.share import mesh_folders
+
+        # The user has just flown this robot; one out of somebody's campaign shows what any log may.
+        folders = mesh_folders(load_robot(spec.robot).urdf) if campaign_directory is None else ()
+        show_log(result.directory, port=port, open_browser=not no_browser, meshes=folders)
     if found or not result.passed:
         raise typer.Exit(FAILED)
 
@@ -171,7 +178,7 @@ def plot(
         from space_robot_report.figures.log import draw
     except ImportError as error:
         raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
-    place = picture or log.with_suffix(".png")
+    place = picture or beside(log, ".png")
     draw(log, place)
     out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
@@ -238,6 +245,15 @@ def main() -> Never:
     except (Interrupted, KeyboardInterrupt, typer.Abort) as error:
         err.print(f"space-robot: {error.reason if isinstance(error, Interrupted) else 'interrupted'}", markup=False)
         sys.exit(FAILED)
+    except BrokenPipeError:
+        # Nobody reads what is printed any more, as after `| head`; nothing more can be said on it, at the exit neither.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(FAILED)
+    except OSError as error:
+        # What the system refuses of a path that was typed: too long a name, no permission.
+        place = f"{short(str(error.filename))}: " if error.filename is not None else ""
+        err.print(f"space-robot: {place}{error.strerror or error}", style="red", markup=False, soft_wrap=True)
+        sys.exit(BAD_INPUT)
     except Exception as error:
         # Usage errors of the parser know how to show themselves; anything else is a bug and shows its trace.
         show = getattr(error, "format_message", None)

@@ -14,6 +14,7 @@ from space_robot_bringup.modes.compilation import notice
 from space_robot_bringup.modes.signals import StopFlag
 from space_robot_cli.progress import Progress
 from space_robot_cli.render.paper import markdown, show
+from space_robot_msgs_py.bounded_files import is_directory, short
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
 from space_robot_studies.reproduce.process_pool import cores
@@ -67,8 +68,8 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     figures = choose_figures(plan.manifest, order.figures)
     for name in figures:
         check_colors(plan.manifest.figures[name], f"{plan.argument} figures.{name}")
-    if order.markdown is not None and not order.markdown.resolve().parent.is_dir():
-        raise InputFileError("no such folder", key="--markdown", value=str(order.markdown))
+    if order.markdown is not None and not is_directory(order.markdown.resolve().parent):
+        raise InputFileError("no such folder", key="--markdown", value=short(order.markdown))
     directory = order.directory or Path("out") / plan.name
     flights = plan.flights(figures).values()
     laws = [name for flight in flights for name in flight.experiment.controller.law_names]

@@ -14,14 +14,7 @@ from space_robot_control.laws.guarded import guarded_update
 from space_robot_control.laws.switching import ACTIVE, Switching
 from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
-from space_robot_msgs_py.codec.codecs import (
-    CommandCodec,
-    ReferenceCodec,
-    StateCodec,
-    TelemetryCodec,
-    encode_events,
-    peek_stamp,
-)
+from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec, encode_events
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState
 from space_robot_msgs_py.joiner import StampJoiner
@@ -102,7 +95,7 @@ class ControllerNode(ManagedNode):
     def _listen_part(self, index: int, topic: Topic) -> None:
         def on_part(raw: bytes) -> None:
             try:
-                joined = self._joiner.add(index, peek_stamp(raw), raw)
+                joined = self._joiner.add(index, self._peek(index, raw), raw)
                 values = None if joined is None else self._decode(joined)
             except SpaceRobotError as error:
                 self._refuse(topic, error)
@@ -111,6 +104,11 @@ class ControllerNode(ManagedNode):
                 self._take_in(*values)
 
         self.listen(topic, on_part)
+
+    def _peek(self, index: int, raw: bytes) -> int:
+        """The stamp of a part, in the order of the inputs."""
+        split = len(self._state.topics)
+        return self._state.peek(index, raw) if index < split else self._reference.peek(index - split, raw)
 
     def _refuse(self, topic: Topic, error: Exception) -> None:
         self.malformed += 1

@@ -9,6 +9,7 @@ import numpy as np
 
 from space_robot_bringup.judge.metrics import PER_AXIS, PER_RUN
 from space_robot_bringup.judge.verdict import PLANT_BOUNDS
+from space_robot_msgs_py.escapes import plotly
 from space_robot_report.pages.plots import packed
 from space_robot_report.palette import PALETTE
 
@@ -73,8 +74,8 @@ def _thinned(values: Any, indices: list[int]) -> tuple[Any, list[int]]:
 def _box(values: Any, places: list[str], indices: list[int], name: str, color: str) -> dict[str, Any]:
     return {
         "type": "box",
-        "name": name,
-        "x": places,
+        "name": plotly(name),
+        "x": [plotly(place) for place in places],
         "y": packed(values, "f8"),
         "text": [f"case {index}" for index in indices],
         "boxpoints": "all",
