@@ -144,7 +144,12 @@ def run(
             said = f"not as in the campaign: {'; '.join(found)}" if found else "every number is the campaign's"
             out.print(said, style="red" if found else "green", markup=False, soft_wrap=True)
     if view:
-        show_log(result.directory, port=port, open_browser=not no_browser)
+        from space_robot_description.load import load_robot
+        from space_robot_description.share import mesh_folders
+
+        # The user has just flown this robot; one out of somebody's campaign shows what any log may.
+        folders = mesh_folders(load_robot(spec.robot).urdf) if campaign_directory is None else ()
+        show_log(result.directory, port=port, open_browser=not no_browser, meshes=folders)
     if found or not result.passed:
         raise typer.Exit(FAILED)
 

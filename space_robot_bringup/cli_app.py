@@ -6,7 +6,8 @@ import sys
 from typing import Annotated
 
 import typer
-from rich.console import Console
+
+from space_robot_bringup.terminal import PlainConsole
 
 FAILED, BAD_INPUT = 1, 2
 
@@ -19,8 +20,8 @@ app = typer.Typer(
     epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
 )
 # A pipe has no width of its own; 80 columns would cut numbers.
-out = Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-err = Console(stderr=True, highlight=False)
+out = PlainConsole(width=None if sys.stdout.isatty() else 120)
+err = PlainConsole(stderr=True)
 
 SetOption = Annotated[
     list[str] | None,

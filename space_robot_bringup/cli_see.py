@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -16,10 +17,17 @@ PortOption = Annotated[int, typer.Option(help="of the viewer; the next free one 
 NoBrowserOption = Annotated[bool, typer.Option("--no-browser", help="only print the address")]
 
 
+MeshesOption = Annotated[
+    list[Path] | None,
+    typer.Option("--meshes", metavar="DIR", help="draw meshes of the log's robot in this folder, too; may repeat"),
+]
+
+
 @app.command()
 def report(
     place: Annotated[Path, typer.Argument(help="run directory, .mcap file, or directory of a campaign")],
     page: Annotated[Path | None, typer.Option("--out", "-o", help="the page; default: beside it, NAME.html")] = None,
+    meshes: MeshesOption = None,
 ) -> None:
     """Write one page that works offline: verdict, plots, 3-D playback, provenance; of a campaign what it adds up to."""
     from space_robot_bringup.campaign.journal import CAMPAIGN
@@ -39,7 +47,7 @@ def report(
     except ImportError as error:
         accepted = "install space-robot[viz], and space-robot[campaign] for campaigns"
         raise SpecError(f"report needs plotly and more ({error})", accepted=accepted) from None
-    for trouble in write_log_report(place, target).troubles:
+    for trouble in write_log_report(place, target, meshes or ()).troubles:
         err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
     out.print(f"page: {target}", markup=False, soft_wrap=True)
 
@@ -49,12 +57,13 @@ def view(
     log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
     port: PortOption = 8080,
     no_browser: NoBrowserOption = False,
+    meshes: MeshesOption = None,
 ) -> None:
     """Show a log in the browser: the robot, what was desired, torques, the way of the tool; Ctrl-C ends it."""
-    show_log(log, port=port, open_browser=not no_browser)
+    show_log(log, port=port, open_browser=not no_browser, meshes=meshes or ())
 
 
-def show_log(log: Path, *, port: int, open_browser: bool) -> None:
+def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path] = ()) -> None:
     """Serve a log until Ctrl-C.
 
     Raises:
@@ -67,7 +76,7 @@ def show_log(log: Path, *, port: int, open_browser: bool) -> None:
         from space_robot_bringup.view.serve import serve
     except ImportError as error:
         raise SpecError(f"view needs viser ({error})", accepted="install space-robot[view]") from None
-    show, troubles = load_show(log)
+    show, troubles = load_show(log, meshes)
     for trouble in troubles:
         err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:

@@ -11,6 +11,9 @@ import pinocchio as pin
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log_arrays import LogArrays
 
+# Why a mesh is not drawn.
+WITHOUT = "not on this machine, not readable, or outside of shipped robots, packages and --meshes DIR"
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Footage:

@@ -7,12 +7,12 @@ from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from space_robot_bringup.experiment import Experiment
 from space_robot_bringup.metrics import RunMetrics
 from space_robot_bringup.run import RunResult
+from space_robot_bringup.terminal import markup
 from space_robot_description.report import RobotReport
 
 
@@ -52,14 +52,14 @@ def verdict(console: Console, experiment: Experiment, mode: str, result: RunResu
 
 
 def _axes(experiment: Experiment, metrics: RunMetrics) -> Table:
-    table = Table(title=escape(experiment.title) or None, title_justify="left", box=SIMPLE_HEAD)
+    table = Table(title=markup(experiment.title) or None, title_justify="left", box=SIMPLE_HEAD)
     table.add_column("axis", no_wrap=True)
     for heading in ("travel", "final\nerror", "max\nerror", "rms\nerror", "settling\n[s]", "over-\nshoot [%]"):
         table.add_column(heading, justify="right", no_wrap=True, min_width=6)
     for axis in metrics.axes:
         lengths = (axis.travel, axis.final_error, axis.max_error, axis.rms_error)
         table.add_row(
-            escape(f"{axis.name} [{axis.unit}]"),
+            markup(f"{axis.name} [{axis.unit}]"),
             *(_short(value) for value in lengths),
             "-" if axis.settling_time is None else f"{axis.settling_time:g}",
             "-" if axis.overshoot is None else f"{axis.overshoot:.2f}",
@@ -90,7 +90,7 @@ def _totals(mode: str, result: RunResult, metrics: RunMetrics) -> Table:
 def robot(console: Console, report: RobotReport) -> None:
     """Print a robot report: totals, bodies, joints."""
     totals = Table(
-        title=f"{escape(report.name)}: {report.n} joints, {report.base_mode}", title_justify="left", box=None
+        title=f"{markup(report.name)}: {report.n} joints, {report.base_mode}", title_justify="left", box=None
     )
     totals.show_header = False
     for name, value in _robot_totals(report).items():
@@ -101,7 +101,7 @@ def robot(console: Console, report: RobotReport) -> None:
     for heading in ("mass [kg]", "com [m]", "Ixx, Iyy, Izz [kg m2]"):
         bodies.add_column(heading.replace("[", r"\["))
     for body in report.bodies:
-        bodies.add_row(escape(body.name), f"{body.mass:g}", _numbers(body.com), _numbers(body.inertia.diagonal()))
+        bodies.add_row(markup(body.name), f"{body.mass:g}", _numbers(body.com), _numbers(body.inertia.diagonal()))
     console.print(bodies)
     joints = Table(box=SIMPLE_HEAD)
     joints.add_column("joint", no_wrap=True)
@@ -109,7 +109,7 @@ def robot(console: Console, report: RobotReport) -> None:
         joints.add_column(heading.replace("[", r"\["), justify="right")
     for row in report.joints:
         values = (row.lower, row.upper, row.home, row.effort, row.lag, row.viscous, row.coulomb)
-        joints.add_row(escape(row.name), *(f"{value:.4g}" for value in values))
+        joints.add_row(markup(row.name), *(f"{value:.4g}" for value in values))
     console.print(joints)
 
 
@@ -122,7 +122,7 @@ def _robot_totals(report: RobotReport) -> dict[str, str]:
         "momentum capacity per axis": f"{_numbers(wheels)} N m s" if wheels is not None else "no wheels",
         "torque capacity per axis": f"{_numbers(report.torque_capacity)} N m",
         "force capacity per axis": f"{_numbers(force)} N" if force is not None else "none (free-floating)",
-        f"reach of {escape(report.tool_frame)}": f"{reach.sampled:.3f} m sampled, below {reach.sum_bound:.3f} m",
+        f"reach of {markup(report.tool_frame)}": f"{reach.sampled:.3f} m sampled, below {reach.sum_bound:.3f} m",
         "base-arm coupling, condition": f"{report.coupling.condition:.4g}",
         "base rate per joint rate": f"{report.coupling.rate_ratio:.4g}",
         "base torque per joint effort": f"{report.coupling.torque_ratio:.4g}",

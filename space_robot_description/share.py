@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -83,14 +85,34 @@ def resource(uri: str, folder: Path) -> Path:
     return path
 
 
-def mesh_file(uri: str) -> Path | None:
-    """The file of a mesh in a composed URDF: ``file://`` or a path, or ``package://`` in a ROS package or a wheel."""
+def mesh_file(uri: str, folders: Sequence[Path] = ()) -> Path | None:
+    """The file of a mesh in a composed URDF, where it may be read.
+
+    A URDF may come out of a log that somebody sent: it names no file but those of the shipped robots, of ROS packages,
+    of wheels and of folders that the user typed.
+
+    Args:
+        uri: ``file://`` or a path, or ``package://`` in a ROS package or a wheel.
+        folders: that the user typed.
+    """
+    shares = [prefix / "share" for prefix in [*_ament_prefixes(), *_wheel_prefixes()]]
     if uri.startswith("package://"):
-        inside = Path("share") / uri.removeprefix("package://")
-        candidates = [prefix / inside for prefix in [*_ament_prefixes(), *_wheel_prefixes()]]
+        candidates = [share / uri.removeprefix("package://") for share in shares]
     else:
         candidates = [Path(unquote(uri.removeprefix("file://")))]
-    return next((path for path in candidates if is_file(path)), None)
+    # By name, not by where links lead: installed files may be links, and nobody else makes any in these folders.
+    allowed = [os.path.abspath(place) for place in (*shares, config_dir(), *folders)]
+    for path in candidates:
+        place = os.path.abspath(path)
+        if any(place.startswith(f"{folder}{os.sep}") for folder in allowed) and is_file(path):
+            return Path(place)
+    return None
+
+
+def mesh_folders(urdf: str) -> list[Path]:
+    """Where the meshes of a robot lie that the user has just flown: those may be drawn."""
+    found = dict.fromkeys(re.findall(r'filename="file://([^"]+)"', urdf))
+    return list(dict.fromkeys(Path(unquote(path)).parent for path in found))
 
 
 def _wheel_prefixes() -> list[Path]:

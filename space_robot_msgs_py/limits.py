@@ -84,6 +84,7 @@ MESSAGE_SLACK = Limit(
 TELEMETRY_BYTES = Limit("TELEMETRY_BYTES", 8 * MIB, "bytes", "a million numbers per tick")
 TELEMETRY_BLOCKS = Limit("TELEMETRY_BLOCKS", 1_000, "blocks", "each has a layout of its own to be found, and a plot")
 STRING_BYTES = Limit("STRING_BYTES", URDF_BYTES.most + KIB, "bytes", "the longest text on a topic is a URDF")
+REASON_BYTES = Limit("REASON_BYTES", 64 * KIB, "bytes", "why a run ended, one line: an error with what it quotes")
 EVENT_BYTES = Limit("EVENT_BYTES", MIB, "bytes", "all gains of all laws of a run, changed at once")
 
 LAW_SOURCE_BYTES = Limit("LAW_SOURCE_BYTES", MIB, "bytes", "a law is one file of Python text; the log carries it")

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from space_robot_msgs_py.cdr import ENCAPSULATION, UINT32, pack_stamp, unpack_stamp
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.limits import EVENT_BYTES, STRING_BYTES, Limit
 
 
 def peek_stamp(raw: bytes) -> int:
@@ -26,12 +27,17 @@ def encode_string(text: str) -> bytes:
     return ENCAPSULATION + UINT32.pack(len(data)) + data
 
 
-def decode_string(raw: bytes) -> str:
+def decode_string(raw: bytes, limit: Limit = STRING_BYTES) -> str:
     """The text of a std_msgs/String.
 
+    Args:
+        raw: the message.
+        limit: of its size, looked at before anything else.
+
     Raises:
-        LayoutError: the bytes are not a string.
+        LayoutError: the bytes are not a string, or too many.
     """
+    limit.check(len(raw), "std_msgs/msg/String", LayoutError)
     size = UINT32.unpack_from(raw, 4)[0] if len(raw) >= 8 else 0
     data = raw[8 : 8 + size]
     if raw[:2] != ENCAPSULATION[:2] or not size or len(data) != size or data[-1]:
@@ -53,7 +59,7 @@ def decode_events(raw: bytes) -> tuple[ControllerEvent, ...]:
     Raises:
         LayoutError: the bytes are not a string, a line is no event, or their stamps differ.
     """
-    events = tuple(ControllerEvent.of(line) for line in decode_string(raw).split("\n"))
+    events = tuple(ControllerEvent.of(line) for line in decode_string(raw, EVENT_BYTES).split("\n"))
     if len({event.stamp for event in events}) != 1:
         stamps = [event.stamp for event in events]
         raise LayoutError("events of different stamps", key="controller/events", value=stamps, accepted="one stamp")

@@ -7,12 +7,12 @@ from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from space_robot_bringup.campaign.journal import CAMPAIGN, bag_path
 from space_robot_bringup.campaign.run import TABLE, CampaignResult, describe
 from space_robot_bringup.campaign.summary import Group, Rate
+from space_robot_bringup.terminal import markup
 
 SHOWN_CASES = 5
 
@@ -59,7 +59,7 @@ def campaign(console: Console, title: str, result: CampaignResult) -> None:
 
 
 def _spreads(group: Group) -> Table:
-    title = escape(describe(group.labels)) or None
+    title = markup(describe(group.labels)) or None
     table = Table(box=SIMPLE_HEAD, title=title, title_justify="left")
     table.add_column("metric", no_wrap=True)
     for heading in ("n", "missing", "mean, 95 % interval", "p05", "median", "p95", "max", "worst case"):
@@ -68,7 +68,7 @@ def _spreads(group: Group) -> Table:
         worst = "-" if s.worst is None else str(s.worst)
         mean = f"{_short(s.mean)} \\[{_short(s.mean_low)}, {_short(s.mean_high)}]"
         numbers = (_short(value) for value in (s.p05, s.median, s.p95, s.max))
-        table.add_row(escape(name), str(s.n), str(s.missing), mean, *numbers, worst)
+        table.add_row(markup(name), str(s.n), str(s.missing), mean, *numbers, worst)
     return table
 
 

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from space_robot_bringup.compare.comparison import METRICS, Comparison
 from space_robot_bringup.compare.tables import COST, LEGEND, cost_text, headings, rows_of
+from space_robot_bringup.terminal import markup
 
 
 def show(
@@ -19,11 +19,11 @@ def show(
     """Print one table per metric, what a cycle costs and why flights ended."""
     console.print(comparison.title or comparison.name, style="bold", markup=False)
     for metric in metrics:
-        table = Table(box=SIMPLE_HEAD, title=escape(METRICS[metric]), title_justify="left")
+        table = Table(box=SIMPLE_HEAD, title=markup(METRICS[metric]), title_justify="left")
         for place, heading in enumerate(headings(comparison)):
             table.add_column(heading, justify="left" if place < 2 else "right", no_wrap=place < 2)
         for row in rows_of(comparison, metric):
-            table.add_row(*map(escape, row))
+            table.add_row(*map(markup, row))
         console.print(table)
     cost = ", ".join(f"{law} {cost_text(value)}" for law, value in costs.items())
     console.print(f"{COST}: {cost}", markup=False, soft_wrap=True)

@@ -7,10 +7,10 @@ from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from space_robot_bringup.logs.info import BagInfo, TopicInfo
+from space_robot_bringup.terminal import markup
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log_recover import Recovery
 from space_robot_msgs_py.mcap_salvage import Damage
@@ -45,7 +45,7 @@ def _topics(info: BagInfo) -> Table:
     for heading in ("messages", "rate [Hz]", "first [s]", "last [s]", "gaps", "longest [s]"):
         table.add_column(heading, justify="right")
     for topic in info.topics:
-        table.add_row(*map(escape, _cells(topic)))
+        table.add_row(*map(markup, _cells(topic)))
     return table
 
 

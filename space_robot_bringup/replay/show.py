@@ -7,13 +7,13 @@ from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from space_robot_bringup.replay.command import Replayed
 from space_robot_bringup.replay.comparison import Comparison, Divergence, Value
 from space_robot_bringup.replay.outcome import Outcome
 from space_robot_bringup.replay.publish import Answers
+from space_robot_bringup.terminal import markup
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
 
@@ -81,7 +81,7 @@ def _worst(comparison: Comparison) -> Table:
         distance = f"{found.distance:.2e}" if isfinite(found.distance) else "-"
         count = str(comparison.differing[place])
         cells = (found.topic, found.field, f"{found.stamp / NANOSECONDS:g}", *values, distance, count)
-        table.add_row(*map(escape, cells))
+        table.add_row(*map(markup, cells))
     return table
 
 

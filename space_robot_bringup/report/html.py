@@ -7,7 +7,14 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from space_robot_msgs_py.escapes import visible
+
 HERE = Path(__file__).parent
+# A page needs nothing from anywhere: whatever got into it, it loads nothing and sends nothing.
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; "
+    "form-action 'none'; base-uri 'none'"
+)
 
 
 def environment() -> Environment:
@@ -15,13 +22,20 @@ def environment() -> Environment:
     found = Environment(
         loader=FileSystemLoader(HERE),
         autoescape=True,
+        finalize=_plain,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     found.filters["number"] = number
     found.globals["style"] = script("style.css")
+    found.globals["policy"] = POLICY
     return found
+
+
+def _plain(value: object) -> object:
+    """Of a text that is no HTML of ours, only what can be seen; jinja escapes the rest."""
+    return visible(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
 
 def script(name: str) -> Markup:

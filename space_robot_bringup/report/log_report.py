@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.judged import JudgedLog, read_judged
+from space_robot_bringup.playback import WITHOUT
 from space_robot_bringup.report.html import script
 from space_robot_bringup.report.interactive import PlotBook, embedded, interactive_page
 from space_robot_bringup.report.log_plots import conservation_plots, effort_plots, motion_plots, telemetry_plots
@@ -20,12 +22,13 @@ from space_robot_msgs_py.interfaces import NANOSECONDS
 TEMPLATE = "log.html.j2"
 
 
-def write_log_report(log: Path, out: Path) -> JudgedLog:
+def write_log_report(log: Path, out: Path, meshes: Sequence[Path] = ()) -> JudgedLog:
     """Write the page of a log, whole or damaged; the page says what is missing.
 
     Args:
         log: run directory or .mcap file.
         out: the page.
+        meshes: folders the robot's meshes may be read from, see ``look_of``.
 
     Returns:
         What was read.
@@ -35,14 +38,14 @@ def write_log_report(log: Path, out: Path) -> JudgedLog:
         LogError: no complete tick can be read, or the page cannot be written.
     """
     judged = read_judged(log)
-    write_whole(out, log_page(judged))
+    write_whole(out, log_page(judged, meshes))
     return judged
 
 
-def log_page(judged: JudgedLog) -> str:
+def log_page(judged: JudgedLog, meshes: Sequence[Path] = ()) -> str:
     """The page of a log as HTML."""
     book, troubles = PlotBook(), list(judged.troubles)
-    flight, tool = _flight(judged, troubles)
+    flight, tool = _flight(judged, troubles, meshes)
     content = {
         "title": _title(judged),
         "source": judged.experiment.source if judged.experiment else "",
@@ -82,10 +85,10 @@ def _verdict(judged: JudgedLog) -> dict[str, Any]:
     return {"known": bool(checks), "passed": all(check.passed for check in checks), "checks": checks}
 
 
-def _flight(judged: JudgedLog, troubles: list[str]) -> tuple[dict[str, Any] | None, str]:
+def _flight(judged: JudgedLog, troubles: list[str], meshes: Sequence[Path]) -> tuple[dict[str, Any] | None, str]:
     """What the playback shows, and the link whose way it draws."""
     try:
-        look = look_of(judged.header.urdf)
+        look = look_of(judged.header.urdf, meshes)
     except SpaceRobotError as error:
         troubles.append(f"no playback: {error}")
         return None, ""
@@ -93,7 +96,7 @@ def _flight(judged: JudgedLog, troubles: list[str]) -> tuple[dict[str, Any] | No
         troubles.append("no playback: the robot in the log has other joints than its states")
         return None, ""
     if look.missing:
-        troubles.append(f"drawn without {', '.join(look.missing)}: not on this machine, or not readable")
+        troubles.append(f"drawn without {', '.join(look.missing)}: {WITHOUT}")
     composition = judged.composition
     tool = (composition.nominal.tool_frame if composition else "") or look.tool
     return scene(look, judged.arrays, tool), tool

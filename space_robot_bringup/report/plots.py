@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from space_robot_bringup.report.decimate import min_max
 from space_robot_bringup.report.palette import PALETTE
+from space_robot_msgs_py.escapes import plotly
 from space_robot_msgs_py.interfaces import Vector
 
 LIMIT = "#9b1c13"
@@ -94,7 +95,7 @@ def _level(level: float) -> dict[str, Any]:
 
 def _text(text: str, place: float) -> dict[str, Any]:
     corner = {"xref": "paper", "x": 1, "xanchor": "right", "yanchor": "bottom", "showarrow": False}
-    return {**corner, "y": place, "text": text, "font": {"size": 10, "color": LIMIT}}
+    return {**corner, "y": place, "text": plotly(text), "font": {"size": 10, "color": LIMIT}}
 
 
 def _trace(trace: Trace) -> dict[str, Any]:
@@ -102,7 +103,7 @@ def _trace(trace: Trace) -> dict[str, Any]:
     return {
         "type": "scatter",
         "mode": "lines",
-        "name": trace.name,
+        "name": plotly(trace.name),
         "showlegend": bool(trace.name),
         "x": packed(trace.time[kept], "f4"),
         "y": packed(trace.values[kept], "f4"),

@@ -11,6 +11,7 @@ from space_robot_bringup.metrics import PER_AXIS, PER_RUN
 from space_robot_bringup.report.palette import PALETTE
 from space_robot_bringup.report.plots import packed
 from space_robot_bringup.verdict import PLANT_BOUNDS
+from space_robot_msgs_py.escapes import plotly
 
 # Of more points per box some are drawn, evenly by size and the ends among them: the box stays where it is.
 MOST_POINTS = 400
@@ -73,8 +74,8 @@ def _thinned(values: Any, indices: list[int]) -> tuple[Any, list[int]]:
 def _box(values: Any, places: list[str], indices: list[int], name: str, color: str) -> dict[str, Any]:
     return {
         "type": "box",
-        "name": name,
-        "x": places,
+        "name": plotly(name),
+        "x": [plotly(place) for place in places],
         "y": packed(values, "f8"),
         "text": [f"case {index}" for index in indices],
         "boxpoints": "all",

@@ -6,10 +6,10 @@ import re
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from space_robot_bringup.reproduce.summary import Data
+from space_robot_bringup.terminal import markup
 
 STYLES = {"holds": "green", "does not hold": "yellow", "not checkable": "dim", "undecided": "red"}
 
@@ -37,12 +37,12 @@ def show(console: Console, data: Data) -> None:
 
 
 def _table(data: Data) -> Table:
-    table = Table(title=escape(data["title"]) or None, title_justify="left", box=SIMPLE_HEAD)
+    table = Table(title=markup(data["title"]) or None, title_justify="left", box=SIMPLE_HEAD)
     table.add_column("")
     for column in data["columns"]:
-        table.add_column(escape(column), justify="right")
+        table.add_column(markup(column), justify="right")
     for row, cells in data["rows"].items():
-        table.add_row(escape(row), *(_cell(cell, data["digits"]) for cell in cells))
+        table.add_row(markup(row), *(_cell(cell, data["digits"]) for cell in cells))
     return table
 
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from space_robot_bringup.judged import JudgedLog, read_judged
-from space_robot_bringup.playback import Footage
+from space_robot_bringup.playback import WITHOUT, Footage
 from space_robot_bringup.view.serve import Show
 from space_robot_description.visual import look_of
 from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.escapes import html, visible
 
 
-def load_show(log: Path) -> tuple[Show, tuple[str, ...]]:
+def load_show(log: Path, meshes: Sequence[Path] = ()) -> tuple[Show, tuple[str, ...]]:
     """Read a log, whole or damaged.
+
+    Args:
+        log: run directory or .mcap file.
+        meshes: folders the robot's meshes may be read from, see ``look_of``.
 
     Returns:
         What to show, and what is missing, a line each.
@@ -23,24 +29,25 @@ def load_show(log: Path) -> tuple[Show, tuple[str, ...]]:
         SpecError: the URDF in it is none.
     """
     judged = read_judged(log)
-    look = look_of(judged.header.urdf)
+    look = look_of(judged.header.urdf, meshes)
     if look.model.nq != judged.arrays.q.shape[1]:
         raise LogError("the robot in it has other joints than its states", key=str(log))
     tool = (judged.composition.nominal.tool_frame if judged.composition else "") or look.tool
-    missing = tuple(f"drawn without {uri}: not on this machine, or not readable" for uri in look.missing)
+    missing = tuple(f"drawn without {uri}: {WITHOUT}" for uri in look.missing)
     show = Show(look, Footage.of(judged.arrays), tool, _title(judged), _about(judged))
     return show, (*judged.troubles, *missing)
 
 
 def _title(judged: JudgedLog) -> str:
-    return judged.path.stem.removesuffix("_0")
+    return visible(judged.path.stem.removesuffix("_0"))
 
 
 def _about(judged: JudgedLog) -> str:
+    """A title and a line as HTML; what the log says in them is text, whatever it looks like."""
     experiment = judged.experiment
-    law = f"Law `{experiment.controller.law}`. " if experiment else ""
-    title = f"**{experiment.title}**\n\n" if experiment and experiment.title else ""
+    law = f"Law <code>{html(experiment.controller.law)}</code>. " if experiment else ""
+    title = f"<p><b>{html(experiment.title)}</b></p>" if experiment and experiment.title else ""
     verdict = ""
     if judged.checks:
         verdict = "PASS. " if all(check.passed for check in judged.checks) else "FAIL. "
-    return f"{title}{law}{verdict}Ended: {judged.end_reason or 'cut'}."
+    return f"{title}<p>{law}{verdict}Ended: {html(judged.end_reason or 'cut')}.</p>"

@@ -11,6 +11,7 @@ from space_robot_bringup.view.clock import PlayClock
 
 SPEEDS = ("0.25", "0.5", "1", "2", "5", "10", "50")
 STEPS = 1000
+STYLE = "padding: 0 0.9em; font-size: 0.875rem; line-height: 1.5; overflow-wrap: anywhere"
 
 
 class Panel:
@@ -22,7 +23,7 @@ class Panel:
         start: of the run [s].
         end: of the run [s].
         title: of the run.
-        about: a line or two on the run, as Markdown.
+        about: a line or two on the run, as HTML: what a log says in it is escaped, see ``escapes.html``.
         switches: label to what is told when it is switched on or off.
     """
 
@@ -41,7 +42,8 @@ class Panel:
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
         gui.set_panel_label(title)
-        gui.add_markdown(about)
+        # Not Markdown: viser takes HTML in it for what it is, and reads the files its images name.
+        gui.add_html(f'<div style="{STYLE}">{about}</div>')
         self._button = gui.add_button("Play")
         span = max(end - start, 1e-3)
         self._slider = gui.add_slider("time [s]", start, start + span, max(span / STEPS, 1e-3), start)

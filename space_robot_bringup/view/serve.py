@@ -30,7 +30,7 @@ class Show:
         film: its log.
         tool: the link whose way is drawn.
         title: of the run.
-        about: a line or two on it, as Markdown.
+        about: a line or two on it, as HTML.
     """
 
     look: Look

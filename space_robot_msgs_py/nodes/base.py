@@ -14,11 +14,16 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 
 from space_robot_msgs_py.codecs import decode_string, encode_string
-from space_robot_msgs_py.errors import LayoutError, SpecError
+from space_robot_msgs_py.errors import LayoutError, SpecError, shortened
+from space_robot_msgs_py.escapes import visible
+from space_robot_msgs_py.limits import REASON_BYTES
 from space_robot_msgs_py.nodes.parameters import NodeParameters
 from space_robot_msgs_py.parameters import ParameterRow
 from space_robot_msgs_py.ros import message_class, qos
 from space_robot_msgs_py.topics import RUN_END, Topic
+
+# Characters of an error that become the reason of an end: fewer than REASON_BYTES in any alphabet.
+MAX_REASON = 16_000
 
 
 class GraphNode(Node):  # type: ignore[misc]
@@ -101,8 +106,10 @@ class GraphNode(Node):  # type: ignore[misc]
     def fail(self, error: Exception) -> None:
         """Keep the error that stopped this node, log it once and end the run with it."""
         self.failure = error
-        self.get_logger().error(f"{error}")
-        self.end(f"{self.get_name()}: {error}")
+        # An error of ours is short; another may quote anything.
+        said = shortened(visible(str(error)), MAX_REASON)
+        self.get_logger().error(said)
+        self.end(f"{self.get_name()}: {said}")
 
     def flush(self, seconds: float) -> None:
         """Wait until everything published is acknowledged by every matched subscriber, at most that long each."""
@@ -111,7 +118,7 @@ class GraphNode(Node):  # type: ignore[misc]
 
     def _on_run_end(self, raw: bytes) -> None:
         try:
-            reason = decode_string(raw)
+            reason = decode_string(raw, REASON_BYTES)
         except LayoutError as error:
             self.get_logger().warning(f"ignored a malformed {RUN_END.name}: {error}")
             return

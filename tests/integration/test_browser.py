@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from html import escape
 from io import BytesIO
 from pathlib import Path
 from time import monotonic
@@ -21,9 +22,13 @@ playwright = pytest.importorskip("playwright.sync_api")
 image = pytest.importorskip("PIL.Image")
 pytest.importorskip("viser")
 
-from space_robot_bringup.experiment import load_experiment  # noqa: E402
+from space_robot_bringup.experiment import experiment_from, experiment_path, load_experiment  # noqa: E402
 from space_robot_bringup.report.log_report import write_log_report  # noqa: E402
 from space_robot_bringup.run import run_experiment  # noqa: E402
+from space_robot_description.load import load_robot  # noqa: E402
+from space_robot_description.validation import parse_yaml  # noqa: E402
+from space_robot_msgs_py.log_reader import LogReader  # noqa: E402
+from tests.hostile import with_experiment, with_header  # noqa: E402
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = [
@@ -133,6 +138,60 @@ def test_a_click_into_a_plot_goes_to_its_time(bag: Path, tmp_path: Path, browser
     eventually(lambda: float(browser.locator("#slider").input_value()) > 5.0, browser, "the time of the click")
 
 
+IMAGE = '<img src="x" onerror="window.ran=1">'
+SCRIPT = "<script>window.ran=1</script>"
+HOSTILE = f"{IMAGE}{SCRIPT}{{window.ran=1}} ![](/etc/passwd) [a](javascript:window.ran=1) `</code>{IMAGE}"
+JOINT = "<img src=x onerror=window.ran=1>"
+
+
+@pytest.fixture(scope="module")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A bag that tries to run a script from everything it says: name, title, source, law, end, joints."""
+    folder = tmp_path_factory.mktemp("hostile")
+    robot = dict(load_robot("mini").resolved)
+    robot["urdf"] = robot["urdf"].replace('"joint1"', f'"{escape(JOINT)}"')
+    content = parse_yaml(experiment_path("liu2023/fig08")) | {"robot": robot, "expect": {}, "duration": 1.0}
+    content["initial"], content["reference"] = {}, {"kind": "step", "attitude_deg": [10, 0, 0]}
+    run_experiment(experiment_from(content, "hostile"), folder / "run", mode="headless")
+
+    def edit(data: dict[str, Any]) -> None:
+        data |= {"title": HOSTILE, "source": HOSTILE}
+        data["controller"]["standby"] = {f"{HOSTILE} 2": {"law": "none"}}
+        data["controller"]["law"] = HOSTILE
+
+    bag = with_experiment(folder / "run", folder / JOINT, edit)
+    header = LogReader(bag).header
+    return with_header(bag, folder / "again" / JOINT, header, reason=HOSTILE)
+
+
+def test_the_page_of_a_hostile_log_shows_its_texts_and_runs_nothing(
+    hostile: Path, tmp_path: Path, browser: Any
+) -> None:
+    """Titles, names and reasons of a log are text on its page: no script of theirs runs, nothing is fetched."""
+    fetched: list[str] = []
+    browser.on("request", lambda request: fetched.append(request.url))
+    out = tmp_path / "page.html"
+    write_log_report(hostile, out)
+    browser.goto(out.as_uri())
+    assert browser.locator("h1").inner_text() == HOSTILE
+    for place in browser.locator(".plot").all():
+        place.scroll_into_view_if_needed()
+    eventually(lambda: browser.locator(".legendtext").filter(has_text=JOINT).count() > 0, browser, "a legend")
+    assert browser.evaluate("window.ran") is None
+    assert [url for url in fetched if not url.startswith(("file:", "data:", "blob:"))] == []
+    assert len([url for url in fetched if url.startswith("file:")]) == 1
+
+
+def test_the_viewer_of_a_hostile_log_shows_its_texts_and_runs_nothing(hostile: Path, browser: Any) -> None:
+    """Title, law and reason of a log are text in the viewer: no script of theirs runs, no file of theirs is read."""
+    with viewer(hostile) as (address, _):
+        browser.goto(address)
+        browser.get_by_role("button", name="Play").wait_for()
+        browser.get_by_text(HOSTILE).first.wait_for()
+        assert browser.locator("img[src=x]").count() == 0
+        assert browser.evaluate("window.ran") is None
+
+
 @contextmanager
 def viewer(bag: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
     """``space-robot view`` and its address."""
@@ -145,7 +204,7 @@ def viewer(bag: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
         yield found.group(), child
     finally:
         child.kill()
-        child.wait()
+        child.communicate()
 
 
 def test_the_viewer_plays_and_ends_cleanly(bag: Path, browser: Any) -> None:

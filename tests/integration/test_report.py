@@ -188,7 +188,7 @@ def test_run_can_show_what_it_flew(space_robot: Tool, monkeypatch: pytest.Monkey
     done = space_robot("run", "liu2023/fig08", "--out", "bag", "--view", "--port", "9000", "--no-browser")
     assert done.returncode == 0
     assert "PASS" in done.stdout
-    assert shown == [("bag", {"port": 9000, "open_browser": False})]
+    assert shown == [("bag", {"port": 9000, "open_browser": False, "meshes": []})]
 
 
 @pytest.mark.slow

@@ -1,3 +1,5 @@
+import os
+
 import coal
 import numpy as np
 import pytest
@@ -11,6 +13,18 @@ LINK = """<link name="{name}"><inertial><mass value="1"/><inertia ixx="1" iyy="1
 </inertial>{visual}</link>"""
 JOINT = """<joint name="hinge" type="continuous"><axis xyz="0 0 1"/><parent link="base_link"/><child link="arm"/>
 </joint>"""
+
+
+TRIANGLE = """solid arm
+facet normal 0 0 1
+outer loop
+vertex 0 0 0
+vertex 1 0 0
+vertex 0 1 0
+endloop
+endfacet
+endsolid arm
+"""
 
 
 def urdf(visual):
@@ -49,6 +63,38 @@ def test_a_mesh_that_cannot_be_read_is_named(tmp_path):
     path.write_text("not a mesh")
     look = look_of(urdf(f'<visual><geometry><mesh filename="{path.as_uri()}"/></geometry></visual>'))
     assert look.missing == (path.as_uri(),)
+
+
+def test_a_log_names_no_mesh_outside_of_what_is_shipped_or_typed(tmp_path):
+    """A mesh anywhere else is not read, however the way to it is spelt, but for a folder that the user typed."""
+    folder = tmp_path / "meshes"
+    folder.mkdir()
+    (folder / "arm.stl").write_text(TRIANGLE)
+    uri = (folder / "arm.stl").as_uri()
+    around = f"package://{'../' * 20}{folder}/arm.stl"
+    for name in (uri, str(folder / "arm.stl"), around, f"package:///{folder}/arm.stl"):
+        visual = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
+        assert look_of(urdf(visual)).missing == (name,)
+    visual = f'<visual><geometry><mesh filename="{uri}"/></geometry></visual>'
+    assert look_of(urdf(visual), [folder]).missing == ()
+    assert look_of(urdf(visual), [folder / "other", tmp_path / "mesh"]).missing == (uri,)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "directory", "two shapes"])
+def test_what_is_no_mesh_file_is_not_opened(tmp_path, kind):
+    """A pipe, a device or a directory under the name of a mesh is named, not waited for."""
+    path = tmp_path / "arm.stl"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "device":
+        path.symlink_to("/dev/zero")
+    elif kind == "directory":
+        path.mkdir()
+    else:
+        path.write_text(TRIANGLE)
+    shapes = f'<mesh filename="{path.as_uri()}"/><mesh filename="file:///etc/passwd"/>'
+    look = look_of(urdf(f"<visual><geometry>{shapes}</geometry></visual>"), [tmp_path])
+    assert look.missing == ("file:///etc/passwd" if kind == "two shapes" else path.as_uri(),)
 
 
 @pytest.mark.parametrize(
