@@ -6,6 +6,7 @@ Imports of the library stand inside the commands: numba and Pinocchio take a sec
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
 from pathlib import Path
@@ -27,7 +28,8 @@ from space_robot_bringup.cli_app import (
     out,
     warn,
 )
-from space_robot_bringup.cli_see import NoBrowserOption, PortOption, show_log
+from space_robot_bringup.cli_see import NoBrowserOption, PortOption, beside, show_log
+from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 if TYPE_CHECKING:
@@ -164,7 +166,7 @@ def plot(
         from space_robot_bringup.report.figure import draw
     except ImportError as error:
         raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
-    place = picture or log.with_suffix(".png")
+    place = picture or beside(log, ".png")
     draw(log, place)
     out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
@@ -206,6 +208,15 @@ def main() -> Never:
         sys.exit(BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
         sys.exit(FAILED)
+    except BrokenPipeError:
+        # Nobody reads what is printed any more, as after `| head`; nothing more can be said on it, at the exit neither.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(FAILED)
+    except OSError as error:
+        # What the system refuses of a path that was typed: too long a name, no permission.
+        place = f"{short(str(error.filename))}: " if error.filename is not None else ""
+        err.print(f"space-robot: {place}{error.strerror or error}", style="red", markup=False, soft_wrap=True)
+        sys.exit(BAD_INPUT)
     except Exception as error:
         # Usage errors of the parser know how to show themselves; anything else is a bug and shows its trace.
         show = getattr(error, "format_message", None)

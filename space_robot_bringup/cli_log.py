@@ -138,7 +138,7 @@ def recover(
     from space_robot_msgs_py.log_recover import recover
 
     place = bag.resolve()
-    done = recover(bag, directory or place.with_name(f"{place.stem}_recovered"))
+    done = recover(bag, directory or place.parent / f"{place.stem}_recovered")
     if as_json:
         print(json.dumps(show.recovery_dict(done), allow_nan=False))
     else:

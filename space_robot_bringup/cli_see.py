@@ -33,7 +33,7 @@ def report(
     from space_robot_bringup.campaign.journal import CAMPAIGN
     from space_robot_description.share import is_file
 
-    target = page or _beside(place)
+    target = page or beside(place, ".html")
     if os.path.isdir(target):
         raise SpecError("is a directory", key="--out", value=str(target), accepted="the name of a page")
     try:
@@ -95,7 +95,8 @@ def _announce(address: str) -> None:
     out.file.flush()
 
 
-def _beside(place: Path) -> Path:
-    """The page of a log or a campaign where nothing else is said."""
-    whole = Path(os.path.abspath(place))
-    return whole.parent / f"{whole.stem if whole.suffix == '.mcap' else whole.name}.html"
+def beside(place: Path, suffix: str) -> Path:
+    """The page or picture of a log or a campaign where nothing else is said."""
+    # "." and ".." have a name only when they are written out.
+    whole = place if place.name not in ("", "..") else Path(os.path.abspath(place))
+    return whole.parent / f"{whole.stem if whole.suffix == '.mcap' else whole.name}{suffix}"

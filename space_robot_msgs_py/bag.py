@@ -10,7 +10,10 @@ from typing import NamedTuple
 from mcap.opcode import Opcode
 from mcap.records import Channel, Schema
 
-from space_robot_msgs_py.errors import InputFileError, LogError
+from space_robot_msgs_py.bounded_files import path_kind, read_text, short
+from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
+from space_robot_msgs_py.foreign_files import check_before_reading, unpacker
+from space_robot_msgs_py.limits import METADATA_BYTES
 from space_robot_msgs_py.log_directory import METADATA_FILE
 from space_robot_msgs_py.mcap_records import MESSAGE, parse
 from space_robot_msgs_py.mcap_salvage import Damage, Record, salvage
@@ -77,10 +80,14 @@ class Bag:
 
         from space_robot_msgs_py.schemas import typestore
 
+        check_before_reading(self.path)
         try:
             with AnyReader([self.path], default_typestore=typestore()) as reader:
+                unpack = unpacker(reader)
                 for connection, time, raw in reader.messages():
-                    yield BagMessage(connection.topic, connection.msgtype, time, bytes(raw))
+                    yield BagMessage(connection.topic, connection.msgtype, time, unpack(bytes(raw)))
+        except SpaceRobotError:
+            raise
         except Exception as error:
             # What a damaged bag makes rosbags, SQLite and the decompressors raise has no common base.
             raise InputFileError(f"cannot be read as a bag: {error}", key=str(self.path)) from None
@@ -100,12 +107,13 @@ class Channels:
 
     def take(self, record: Record) -> None:
         """Look at a record; only schemas and channels matter."""
+        # A second one of a number has to be the same; else every message could be on a topic of its own.
         if record.opcode == Opcode.SCHEMA:
             schema = parse(Schema.read, record.content, self._key)
-            self.schemas[schema.id] = schema
+            self.schemas.setdefault(schema.id, schema)
         elif record.opcode == Opcode.CHANNEL:
             channel = parse(Channel.read, record.content, self._key)
-            self.channels[channel.id] = channel
+            self.channels.setdefault(channel.id, channel)
 
     def name(self, channel: int) -> tuple[str, str]:
         """Topic and type of a channel; empty where the file no longer says."""
@@ -117,27 +125,29 @@ class Channels:
 
 
 def _mcap_files(path: Path) -> tuple[Path, ...]:
-    if path.is_file():
+    kind = path_kind(path)
+    if kind == "file":
         return () if path.suffix in (".db3", ".zstd") else (path,)
-    if not path.is_dir():
-        raise InputFileError("no such bag", key=str(path), accepted="a bag directory or an .mcap file")
+    if kind != "directory":
+        raise InputFileError("no such bag", key=short(path), accepted="a bag directory or an .mcap file")
     files = sorted(path.glob("*.mcap"), key=_natural)
     if not files and not [*path.glob("*.db3"), *path.glob("*.zstd")]:
-        raise InputFileError("no bag in this directory", key=str(path), accepted="*.mcap, *.db3 or *.zstd")
+        raise InputFileError("no bag in this directory", key=short(path), accepted="*.mcap, *.db3 or *.zstd")
     return () if _is_compressed(path) else tuple(files)
 
 
 def _is_compressed(place: Path) -> bool:
     """True if rosbag2 has compressed messages or files itself, which no record of the files tells."""
     try:
-        text = (place / METADATA_FILE).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
+        text = read_text(place / METADATA_FILE, METADATA_BYTES)
+    except InputFileError:
         return False
     return re.search(r"^\s*compression_mode:\s*['\"]?\w", text, re.MULTILINE) is not None
 
 
-def _natural(path: Path) -> list[int | str]:
-    return [int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", path.name)]
+def _natural(path: Path) -> list[str]:
+    # As texts of one length: Python makes no integer of 5,000 digits, and of some digits none at all.
+    return [part.rjust(255, "0") if part.isdecimal() else part for part in re.split(r"(\d+)", path.name)]
 
 
 def intact(stream: Iterator[BagMessage | Damage], key: str) -> Iterator[BagMessage]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
+from typing import IO, Literal
 
-from space_robot_msgs_py.errors import InputFileError
+from space_robot_msgs_py.errors import InputFileError, SpaceRobotError
 from space_robot_msgs_py.limits import Limit
 
 Kind = Literal["file", "directory", "other", "none"]
@@ -44,23 +46,43 @@ def read_bytes(path: Path, limit: Limit, key: str = "") -> bytes:
         InputFileError: there is no such file, it is too large, or cannot be read.
     """
     key = key or short(path)
-    try:
-        # Without O_NONBLOCK opening a pipe waits for a writer, before its kind could be looked at.
-        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        with os.fdopen(handle, "rb") as stream:
-            if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
-                raise InputFileError("is no regular file", key=key, accepted="a file, not a directory, pipe or device")
-            data = stream.read(limit.most + 1)
-    except FileNotFoundError:
-        raise InputFileError("no such file", key=key) from None
-    except InputFileError:
-        raise
-    except (OSError, ValueError) as error:
-        # A null byte in a name is a ValueError.
-        raise InputFileError(f"cannot be read: {getattr(error, 'strerror', None) or error}", key=key) from None
+    with open_regular(path, key) as stream:
+        data = stream.read(limit.most + 1)
     if len(data) > limit.most:
         raise limit.exceeded(key, error=InputFileError)
     return data
+
+
+@contextmanager
+def open_regular(path: Path, key: str = "") -> Iterator[IO[bytes]]:
+    """A file, open for reading; what goes wrong with it while it is read is an InputFileError as well.
+
+    Args:
+        path: of a regular file.
+        key: what to call it in an error; default: the path.
+
+    Raises:
+        InputFileError: there is no such file, it is a directory, a pipe or a device, or cannot be read.
+    """
+    key = key or short(path)
+    try:
+        # Without O_NONBLOCK opening a pipe waits for a writer, before its kind could be looked at.
+        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except FileNotFoundError:
+        raise InputFileError("no such file", key=key) from None
+    except (OSError, ValueError) as error:
+        # A null byte in a name is a ValueError.
+        raise InputFileError(f"cannot be read: {getattr(error, 'strerror', None) or error}", key=key) from None
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise InputFileError("is no regular file", key=key, accepted="a file, not a directory, pipe or device")
+    with os.fdopen(handle, "rb") as stream:
+        try:
+            yield stream
+        except SpaceRobotError:
+            raise
+        except OSError as error:
+            raise InputFileError(f"cannot be read: {error.strerror or error}", key=key) from None
 
 
 def read_text(path: Path, limit: Limit, key: str = "") -> str:

@@ -73,7 +73,6 @@ MESH_BYTES = Limit("MESH_BYTES", 64 * MIB, "bytes", "it is drawn with 2,500 tria
 
 RECORD_BYTES = Limit("RECORD_BYTES", 256 * MIB, "bytes", "a chunk of a bag with images; a record is held in memory")
 CHUNK_BYTES = Limit("CHUNK_BYTES", 256 * MIB, "bytes", "unpacked, it is held in memory as a whole")
-CHANNELS = Limit("CHANNELS", 10_000, "channels or schemas", "all of them are held in memory; a robot has a hundred")
 DAMAGES = Limit("DAMAGES", 1_000, "damaged places", "beyond, nothing of the rest can be trusted to be a record")
 MESSAGE_SLACK = Limit(
     "MESSAGE_SLACK",
@@ -81,7 +80,8 @@ MESSAGE_SLACK = Limit(
     "bytes beyond the message of this robot",
     "its size is known from the joint names; other frame names and further fields fit in",
 )
-TELEMETRY_BYTES = Limit("TELEMETRY_BYTES", 8 * MIB, "bytes", "a million numbers per tick")
+STATE_BYTES = Limit("STATE_BYTES", 512 * KIB, "bytes", "joint_states of 1,000 joints with the longest names")
+TELEMETRY_BYTES = Limit("TELEMETRY_BYTES", MIB, "bytes", "130,000 numbers per tick")
 TELEMETRY_BLOCKS = Limit("TELEMETRY_BLOCKS", 1_000, "blocks", "each has a layout of its own to be found, and a plot")
 STRING_BYTES = Limit("STRING_BYTES", URDF_BYTES.most + KIB, "bytes", "the longest text on a topic is a URDF")
 REASON_BYTES = Limit("REASON_BYTES", 64 * KIB, "bytes", "why a run ended, one line: an error with what it quotes")

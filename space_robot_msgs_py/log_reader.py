@@ -9,6 +9,7 @@ from pathlib import Path
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata
 
+from space_robot_msgs_py.bounded_files import open_regular, path_kind, short
 from space_robot_msgs_py.codecs import TickCodec, decode_string
 from space_robot_msgs_py.errors import (
     CommandError,
@@ -175,7 +176,8 @@ class LogReader:
                 metadata = record.metadata if record.name == METADATA_NAME else None
             elif opcode == Opcode.ATTACHMENT:
                 attachment = parse_attachment(content, self._key)
-                attachments[attachment.name] = attachment.data
+                # The first of a name counts, as for everything else in the header.
+                attachments.setdefault(attachment.name, attachment.data)
             elif opcode in (Opcode.MESSAGE, Opcode.CHUNK, Opcode.SCHEMA):
                 break
         if metadata is None:
@@ -183,24 +185,20 @@ class LogReader:
         return LogHeader.of(metadata, attachments, self._key)
 
     def _records(self) -> Iterator[tuple[int, bytes]]:
-        try:
-            with self.path.open("rb") as stream:
-                if stream.read(len(MAGIC)) != MAGIC:
-                    raise InputFileError("not an MCAP file", key=self._key)
-                yield from scan(stream, os.fstat(stream.fileno()).st_size)
-        except (InputFileError, LogError):
-            raise
-        except OSError as error:
-            raise InputFileError(f"cannot be read: {error.strerror or error}", key=self._key) from None
+        with open_regular(self.path, self._key) as stream:
+            if stream.read(len(MAGIC)) != MAGIC:
+                raise InputFileError("not an MCAP file", key=self._key)
+            yield from scan(stream, os.fstat(stream.fileno()).st_size)
 
 
 def _bag_file(path: Path) -> Path:
-    if path.is_dir():
+    kind = path_kind(path)
+    if kind == "directory":
         bags = sorted(path.glob(f"*{BAG_SUFFIX}"))
         if len(bags) != 1:
             found = f"{len(bags)} files *{BAG_SUFFIX}"
-            raise InputFileError("not a run directory", key=str(path), value=found, accepted="one of them")
+            raise InputFileError("not a run directory", key=short(path), value=found, accepted="one of them")
         return bags[0]
-    if not path.exists():
-        raise InputFileError("no such file", key=str(path), accepted="a run directory or an .mcap file")
+    if kind == "none":
+        raise InputFileError("no such file", key=short(path), accepted="a run directory or an .mcap file")
     return path

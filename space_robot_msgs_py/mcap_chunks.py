@@ -10,6 +10,7 @@ import zstandard
 from mcap.records import Chunk
 
 from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.limits import CHUNK_BYTES
 
 # A chunk may be that large, or that many times its compressed size; a length beyond is damage, not data.
 MOST_UNPACKED = 1 << 24
@@ -26,7 +27,7 @@ def unpack_chunk(chunk: Chunk, key: str) -> bytes:
     Raises:
         LogError: it is damaged, compressed in an unknown way, or says that it is absurdly large.
     """
-    size, most = chunk.uncompressed_size, max(MOST_UNPACKED, MOST_RATIO * len(chunk.data))
+    size, most = chunk.uncompressed_size, _most(chunk)
     if size > most:
         raise LogError("a chunk is damaged (size)", key=key, value=size, accepted=f"up to {most} bytes")
     data = _unpack(chunk, size, key)
@@ -35,6 +36,11 @@ def unpack_chunk(chunk: Chunk, key: str) -> bytes:
     if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
         raise LogError("a chunk is damaged (checksum)", key=key)
     return data
+
+
+def _most(chunk: Chunk) -> int:
+    """How large a chunk may be, unpacked."""
+    return min(CHUNK_BYTES.most, max(MOST_UNPACKED, MOST_RATIO * len(chunk.data)))
 
 
 def _unpack(chunk: Chunk, size: int, key: str) -> bytes:
@@ -61,7 +67,7 @@ def _unpack_zstd(packed: bytes, size: int) -> bytes:
 def unpack_beginning(chunk: Chunk) -> bytes:
     """What can be unpacked of a chunk that was cut; nothing is checked, for its checksum is that of the whole."""
     packed = chunk.data
-    most = min(chunk.uncompressed_size, max(MOST_UNPACKED, MOST_RATIO * len(packed)))
+    most = min(chunk.uncompressed_size, _most(chunk))
     try:
         if chunk.compression == "zstd":
             return zstandard.ZstdDecompressor().stream_reader(BytesIO(packed)).read(most)

@@ -13,6 +13,7 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, McapRecord, Metadata
 
 from space_robot_msgs_py.errors import LogError
+from space_robot_msgs_py.limits import RECORD_BYTES
 from space_robot_msgs_py.mcap_chunks import unpack_chunk
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -51,6 +52,9 @@ def scan(stream: IO[bytes], size: int) -> Iterator[tuple[int, bytes]]:
     Args:
         stream: the file, behind its magic.
         size: of the file [bytes]; no record can be longer, whatever a damaged length says.
+
+    Raises:
+        LogError: a record is beyond the limit.
     """
     position = len(MAGIC)
     while position + PREFIX.size <= size:
@@ -61,6 +65,7 @@ def scan(stream: IO[bytes], size: int) -> Iterator[tuple[int, bytes]]:
         position += PREFIX.size + length
         if position > size:
             return
+        RECORD_BYTES.check(length, "a record", LogError)
         content = stream.read(length)
         if len(content) < length:
             return

@@ -14,7 +14,9 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Header, Metadata, Schema, Statistics
 
+from space_robot_msgs_py.bounded_files import open_regular
 from space_robot_msgs_py.errors import InputFileError, LogError
+from space_robot_msgs_py.limits import DAMAGES, RECORD_BYTES
 from space_robot_msgs_py.mcap_chunks import unpack_beginning, unpack_chunk
 from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, PREFIX, parse, parse_attachment, walk
 
@@ -73,15 +75,13 @@ def salvage(path: Path) -> Iterator[Record | Damage]:
     Raises:
         InputFileError: it cannot be read, or not one record of MCAP is in it.
     """
-    try:
-        with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
+    with open_regular(path) as stream:
+        try:
+            data = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
+        except ValueError:
+            raise InputFileError("is empty", key=str(path), accepted="an MCAP file") from None
+        with data:
             yield from _open(data, str(path))
-    except InputFileError:
-        raise
-    except ValueError:
-        raise InputFileError("is empty", key=str(path), accepted="an MCAP file") from None
-    except OSError as error:
-        raise InputFileError(f"cannot be read: {error.strerror or error}", key=str(path)) from None
 
 
 def _open(data: mmap.mmap, key: str) -> Iterator[Record | Damage]:
@@ -92,8 +92,14 @@ def _open(data: mmap.mmap, key: str) -> Iterator[Record | Damage]:
             raise InputFileError("not an MCAP file", key=key)
         yield Damage(0, found, "the beginning is not that of an MCAP file")
         start = found
+    damages = 0
     for item in _records(data, start):
         if isinstance(item, Damage):
+            damages += 1
+            if damages > DAMAGES.most:
+                what = f"damaged at more than {DAMAGES.most} places before (limit {DAMAGES.name}): not looked at"
+                yield Damage(item.offset, len(data) - item.offset, what)
+                return
             if item.cut and data[item.offset] == Opcode.CHUNK:
                 yield from _beginning(data, item.offset, key)
             yield item
@@ -125,7 +131,7 @@ def _end(data: mmap.mmap, position: int) -> int | None:
         return None
     opcode, length = PREFIX.unpack_from(data, position)
     stop = position + PREFIX.size + length
-    if opcode not in _OPCODES or stop > len(data) or length < _SMALLEST.get(opcode, 0):
+    if opcode not in _OPCODES or stop > len(data) or not _SMALLEST.get(opcode, 0) <= length <= RECORD_BYTES.most:
         return None
     # What follows begins with an opcode or is the end; else the length is wrong, and would swallow good records.
     if stop < len(data) and opcode != Opcode.FOOTER and data[stop] not in _OPCODES:

@@ -11,6 +11,7 @@ from space_robot_msgs_py.cdr import ENCAPSULATION, UINT32, aligned
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import Telemetry
 from space_robot_msgs_py.layout import Layout
+from space_robot_msgs_py.limits import TELEMETRY_BLOCKS, TELEMETRY_BYTES
 from space_robot_msgs_py.message_layouts import multi_array
 from space_robot_msgs_py.topics import Topic
 
@@ -119,6 +120,7 @@ class TelemetryCodec:
 
     def _parse(self, raw: bytes) -> Shape:
         """Labels and sizes of a message nothing is known about."""
+        TELEMETRY_BYTES.check(len(raw), self.topics[0].name, LayoutError)
         try:
             labels, sizes = _read_dimensions(raw)
         except (struct.error, IndexError, UnicodeDecodeError):
@@ -137,6 +139,7 @@ def _read_dimensions(raw: bytes) -> Shape:
     if raw[:2] != ENCAPSULATION[:2]:
         raise IndexError
     (count,) = UINT32.unpack_from(raw, 4)
+    TELEMETRY_BLOCKS.check(count, "layout.dim", LayoutError)
     cursor = 8
     labels, sizes = [], []
     for _ in range(count):

@@ -11,10 +11,11 @@ from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.general import canonical_message
 from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Telemetry, Tick
 from space_robot_msgs_py.layout import Layout
+from space_robot_msgs_py.limits import TELEMETRY_BYTES
 from space_robot_msgs_py.telemetry_codec import TelemetryCodec
 from space_robot_msgs_py.text_codecs import decode_events, encode_events, peek_stamp
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, PLANT_TELEMETRY, TABLE, Topic
-from space_robot_msgs_py.value_codecs import CommandCodec, ReferenceCodec, StateCodec
+from space_robot_msgs_py.value_codecs import CommandCodec, ReferenceCodec, StateCodec, check_size
 
 # What a tick consists of, in the order of the log; what follows from it comes behind it.
 LOGGED: tuple[Topic, ...] = tuple(t for t in TABLE if t.recorded and not t.latched and not t.derived)
@@ -109,6 +110,8 @@ class TopicBytes:
         layout = self._layouts.get(topic)
         if layout is not None and layout.is_canonical(raw):
             return peek_stamp(raw), raw
+        if layout is not None:
+            check_size(layout, raw)
         if topic is CONTROLLER_EVENTS:
             events = decode_events(raw)
             return events[0].stamp, encode_events(events)
@@ -119,6 +122,7 @@ class TopicBytes:
         try:
             return telemetry.read(raw)
         except LayoutError:
+            TELEMETRY_BYTES.check(len(raw), topic.name, LayoutError)
             return telemetry.read(canonical_message(topic.type, raw))
 
     def canonical(self, topic: Topic, raw: bytes) -> bytes:

@@ -12,6 +12,8 @@ from space_robot_msgs_py.cdr import pack_stamp, unpack_stamp
 from space_robot_msgs_py.errors import CommandError, LayoutError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState
 from space_robot_msgs_py.layout import Layout
+from space_robot_msgs_py.limits import MESSAGE_SLACK
+from space_robot_msgs_py.text_codecs import peek_stamp
 from space_robot_msgs_py.topics import (
     BASE_IMU,
     BASE_ODOM,
@@ -24,6 +26,17 @@ from space_robot_msgs_py.topics import (
     Topic,
     topics_of,
 )
+
+
+def check_size(layout: Layout, raw: bytes) -> None:
+    """Refuse a message that is far longer than what is expected, before anything of it is read or kept.
+
+    Raises:
+        LayoutError: with the limit.
+    """
+    if len(raw) > layout.size + MESSAGE_SLACK.most:
+        raise MESSAGE_SLACK.exceeded(layout.topic, len(raw) - layout.size, LayoutError)
+
 
 V = TypeVar("V")
 Blocks = Sequence[bytes]
@@ -61,6 +74,16 @@ class PartsCodec(Generic[V]):
             names = ", ".join(topic.name for topic in self.topics)
             raise LayoutError("parts of different stamps", key=names, value=stamps, accepted="one stamp")
         return self.join(unpack_stamp(blocks[0][0]), [block[1:] for block in blocks])
+
+    def peek(self, index: int, raw: bytes) -> int:
+        """The stamp [ns] of one part, and nothing else of it is looked at.
+
+        Raises:
+            LayoutError: the message is far longer than this robot's, or has no stamp.
+        """
+        layout = self.layouts[index]
+        check_size(layout, raw)
+        return peek_stamp(raw)
 
     def decode_part(self, index: int, raw: bytes) -> tuple[int, Blocks]:
         """The stamp [ns] of one part and the bytes of its arrays, checked against the layout; see ``join``."""

@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from math import isfinite
 from pathlib import Path
 from typing import IO, Any
 
@@ -15,9 +16,22 @@ from space_robot_bringup.campaign.files import TEMPORARY, guarded, write_whole
 from space_robot_bringup.campaign.spec import Campaign
 from space_robot_bringup.experiment import dump_yaml
 from space_robot_description.validation import parse_yaml, validate
+from space_robot_msgs_py.bounded_files import is_file, read_text, short
 from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
+from space_robot_msgs_py.limits import ROW_BYTES, ROWS_BYTES
 
 CAMPAIGN, ROWS, RUNS = "resolved.yaml", "rows.jsonl", "runs"
+# What every row of the table has, see ``table.FIXED``.
+COLUMNS: Mapping[str, type] = {
+    "index": int,
+    "run": int,
+    "seed": int,
+    "end_reason": str,
+    "completed": bool,
+    "passed": bool,
+    "failed": str,
+    "ticks": int,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +51,29 @@ class Row:
     wall_time: float = 0.0
     lost: bool = False
     trace: str = ""
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> Row:
+        """A row from what a line of the file says, which may be anything.
+
+        Raises:
+            ValueError: it is no row.
+            TypeError: it is no row.
+        """
+        row = cls(**data)
+        kinds: dict[str, Any] = {"index": int, "wall_time": (int, float), "lost": bool, "trace": str, "columns": dict}
+        for name, kind in kinds.items():
+            if not isinstance(getattr(row, name), kind):
+                raise ValueError(f"{name} is a {type(getattr(row, name)).__name__}")
+        for name, wanted in COLUMNS.items():
+            if type(row.columns[name]) is not wanted:
+                raise ValueError(f"{name} is no {wanted.__name__}")
+        if row.index < 0 or row.columns["index"] != row.index:
+            raise ValueError("its number is not that of its case")
+        for name, value in row.columns.items():
+            if not isinstance(value, str | int | float | None) or (isinstance(value, float) and not isfinite(value)):
+                raise ValueError(f"{name} is no text and no finite number")
+        return row
 
 
 class Journal:
@@ -76,8 +113,8 @@ def begun_campaign(directory: Path) -> Campaign:
         InputFileError: there is none.
     """
     path = directory / CAMPAIGN
-    if not path.is_file():
-        raise InputFileError("holds no campaign", key=str(directory), accepted=f"a directory with {CAMPAIGN}")
+    if not is_file(path):
+        raise InputFileError("holds no campaign", key=short(directory), accepted=f"a directory with {CAMPAIGN}")
     return validate(Campaign, parse_yaml(path), str(path))
 
 
@@ -178,9 +215,7 @@ def finished_rows(directory: Path) -> tuple[dict[str, str], dict[int, Row]]:
         LogError: the rows are damaged.
     """
     path = directory / ROWS
-    with guarded(path):
-        text = path.read_text(encoding="utf-8") if path.is_file() else ""
-        return _parse(text, path)
+    return _parse(read_text(path, ROWS_BYTES), path) if is_file(path) else ({}, {})
 
 
 def _read(stream: IO[str], directory: Path, versions: Mapping[str, str]) -> dict[int, Row]:
@@ -203,11 +238,12 @@ def _parse(text: str, path: Path) -> tuple[dict[str, str], dict[int, Row]]:
     versions, rows = dict[str, str](), dict[int, Row]()
     for number, line in enumerate(text.split("\n")[:-1]):
         try:
+            ROW_BYTES.check(len(line), "a row")
             if number == 0:
-                versions = dict(json.loads(line)["versions"])
+                versions = {str(name): str(text) for name, text in json.loads(line)["versions"].items()}
             else:
-                row = Row(**json.loads(line))
+                row = Row.of(json.loads(line))
                 rows[row.index] = row
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             raise LogError(f"line {number + 1} is damaged ({error})", key=str(path)) from None
     return versions, rows

@@ -22,6 +22,7 @@ from space_robot_bringup.compare.cost import costs_of
 from space_robot_bringup.compare.show import show
 from space_robot_bringup.compare.tables import markdown
 from space_robot_bringup.verdict import check_bounds
+from space_robot_msgs_py.bounded_files import is_directory, short
 from space_robot_msgs_py.errors import InputFileError, SpecError
 
 NUMBERS = "compare.json"
@@ -92,8 +93,8 @@ def _checked(order: Order) -> dict[str, Campaign]:
     for metric in order.metrics:
         if metric not in METRICS:
             raise SpecError("no such metric", key="--metric", value=metric, accepted=", ".join(METRICS))
-    if order.markdown is not None and not order.markdown.resolve().parent.is_dir():
-        raise InputFileError("no such folder", key="--markdown", value=str(order.markdown))
+    if order.markdown is not None and not is_directory(order.markdown.resolve().parent):
+        raise InputFileError("no such folder", key="--markdown", value=short(order.markdown))
     found: dict[str, Campaign] = {}
     for argument in order.campaigns:
         name, campaign = campaign_path(argument).stem, load_campaign(argument, order.runs)
@@ -114,7 +115,7 @@ def _fly(order: Order, name: str, campaign: Campaign, err: Console, warn: Callab
         order.directory / name,
         workers=order.workers,
         scheduler=None,
-        resume=order.resume and (order.directory / name).exists(),
+        resume=order.resume and is_directory(order.directory / name),
         keep="none",
         console=err,
         quiet=order.as_json,

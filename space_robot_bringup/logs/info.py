@@ -15,6 +15,7 @@ from space_robot_bringup.run import judge_ticks
 from space_robot_bringup.verdict import Check
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.bag import Bag
+from space_robot_msgs_py.bounded_files import is_file
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log_directory import custom_data
@@ -115,7 +116,7 @@ def bag_info(path: Path) -> BagInfo:
         types.setdefault(item.topic, item.type)
         times.setdefault(item.topic, array("Q")).append(item.time)
     topics = tuple(_topic(name, types[name], stamps) for name, stamps in times.items())
-    files = [path] if path.is_file() else [file for file in path.iterdir() if file.is_file()]
+    files = [path] if is_file(path) else [file for file in path.iterdir() if is_file(file)]
     size = sum(file.stat().st_size for file in files)
     provenance, versions, reason, verdict = _ours(bag)
     return BagInfo(path, size, topics, provenance, versions, reason, tuple(damage), verdict)

@@ -11,9 +11,10 @@ from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.foreign import foreign_rows
 from space_robot_msgs_py.bag import Bag, intact
 from space_robot_msgs_py.codecs import LOGGED, CommandCodec, decode_string
-from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
+from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError, SpecError
 from space_robot_msgs_py.general import parse
 from space_robot_msgs_py.interfaces import Command
+from space_robot_msgs_py.limits import STATE_BYTES
 from space_robot_msgs_py.log_reader import LogReader
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, Topic
 
@@ -114,6 +115,7 @@ def _names_and_urdf(bag: Bag, namespace: str) -> tuple[tuple[str, ...], str]:
     for message in intact(bag.messages(), str(bag.path)):
         try:
             if message.topic == f"{prefix}/{JOINT_STATES.name}" and not names:
+                STATE_BYTES.check(len(message.data), JOINT_STATES.name, LayoutError)
                 names = tuple(parse(JOINT_STATES.type, message.data).name)
             elif message.topic == f"{prefix}/{ROBOT_DESCRIPTION.name}":
                 urdf = decode_string(message.data)

@@ -18,6 +18,7 @@ from space_robot_bringup.reproduce.reproduction import FlownFigure, prepare, rep
 from space_robot_bringup.reproduce.show import show
 from space_robot_bringup.reproduce.workers import cores
 from space_robot_bringup.stopping import StopFlag
+from space_robot_msgs_py.bounded_files import is_directory, short
 from space_robot_msgs_py.errors import InputFileError, SpecError
 
 MOST_WORKERS = 256
@@ -71,8 +72,8 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     figures = choose_figures(plan.manifest, order.figures)
     for name in figures:
         check_colors(plan.manifest.figures[name], f"{plan.argument} figures.{name}")
-    if order.markdown is not None and not order.markdown.resolve().parent.is_dir():
-        raise InputFileError("no such folder", key="--markdown", value=str(order.markdown))
+    if order.markdown is not None and not is_directory(order.markdown.resolve().parent):
+        raise InputFileError("no such folder", key="--markdown", value=short(order.markdown))
     directory = order.directory or Path("out") / plan.name
     flights = plan.flights(figures).values()
     laws = [name for flight in flights for name in flight.experiment.controller.law_names]

@@ -19,7 +19,6 @@ from space_robot_msgs_py.codecs import (
     StateCodec,
     TelemetryCodec,
     encode_events,
-    peek_stamp,
 )
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
@@ -101,7 +100,7 @@ class ControllerNode(ManagedNode):
     def _listen_part(self, index: int, topic: Topic) -> None:
         def on_part(raw: bytes) -> None:
             try:
-                joined = self._joiner.add(index, peek_stamp(raw), raw)
+                joined = self._joiner.add(index, self._peek(index, raw), raw)
                 values = None if joined is None else self._decode(joined)
             except SpaceRobotError as error:
                 self._refuse(topic, error)
@@ -110,6 +109,11 @@ class ControllerNode(ManagedNode):
                 self._take_in(*values)
 
         self.listen(topic, on_part)
+
+    def _peek(self, index: int, raw: bytes) -> int:
+        """The stamp of a part, in the order of the inputs."""
+        split = len(self._state.topics)
+        return self._state.peek(index, raw) if index < split else self._reference.peek(index - split, raw)
 
     def _refuse(self, topic: Topic, error: Exception) -> None:
         self.malformed += 1

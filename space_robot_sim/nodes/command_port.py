@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 
-from space_robot_msgs_py.codecs import CommandCodec, peek_stamp
+from space_robot_msgs_py.codecs import CommandCodec
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.joiner import StampJoiner
@@ -65,7 +65,7 @@ class CommandPort:
     def _listen_part(self, index: int, topic: Topic) -> None:
         def on_part(raw: bytes) -> None:
             try:
-                stamp = peek_stamp(raw)
+                stamp = self._codec.peek(index, raw)
             except SpaceRobotError as error:
                 self._refuse("malformed", topic, error)
                 return

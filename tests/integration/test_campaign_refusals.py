@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -188,6 +189,12 @@ def test_a_directory_of_another_campaign_is_left_alone(space_robot: Tool, tmp_pa
     assert {path: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
 
+def columns(index: int, *, passed: bool) -> dict[str, Any]:
+    """What every row has."""
+    outcome = {"end_reason": "completed", "completed": True, "passed": passed, "failed": "", "ticks": 5}
+    return {"index": index, "run": index, "seed": 7, **outcome}
+
+
 def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     """Rows are comparable only if everything that can change their bits is the same; a torn line is cut off."""
     from space_robot_bringup.campaign.journal import Row, finished_row, open_journal
@@ -197,8 +204,8 @@ def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     write(tmp_path)
     spec, out = load_campaign(str(tmp_path / "campaign.yaml")), tmp_path / "out"
     with open_journal(out, spec, {"pin": "1"}) as book:
-        book.append(Row(0, {"passed": True}), {"a.mcap": b"bag"})
-        book.append(Row(1, {"passed": False}, lost=True), {})
+        book.append(Row(0, columns(0, passed=True)), {"a.mcap": b"bag"})
+        book.append(Row(1, columns(1, passed=False), lost=True), {})
         with pytest.raises(SpecError, match="another process"), open_journal(out, spec, {"pin": "1"}):
             pass
     with pytest.raises(SpecError, match="begun with pin 1"), open_journal(out, spec, {"pin": "2"}):
