@@ -1,0 +1,354 @@
+"""What is fuzzed: YAML, URDF, logs and the command line, each case a function of a random generator and a folder."""
+
+from __future__ import annotations
+
+import json
+import struct
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass, replace
+from functools import cache
+from io import BytesIO, StringIO
+from pathlib import Path
+from random import Random
+from typing import Any
+from unittest.mock import patch
+
+from mcap.data_stream import ReadDataStream
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
+
+from space_robot_bringup import cli
+from space_robot_bringup.campaign.cases import make_case
+from space_robot_bringup.campaign.spec import load_campaign
+from space_robot_bringup.experiment import dump_yaml, experiment_from, experiment_path, load_experiment
+from space_robot_bringup.judged import read_judged
+from space_robot_bringup.logged import compose_logged
+from space_robot_bringup.logs.info import bag_info
+from space_robot_bringup.replay.command import Order, replay
+from space_robot_bringup.replay.publish import open_broadcast
+from space_robot_bringup.reproduce.plan import manifest_path, read_manifest
+from space_robot_bringup.run import run_experiment
+from space_robot_description.load import load_robot, robot_path
+from space_robot_description.share import config_dir
+from space_robot_description.validation import parse_yaml_text, parse_yaml_value
+from space_robot_description.visual import look_of
+from space_robot_msgs_py.escapes import visible
+from space_robot_msgs_py.log_directory import custom_data
+from space_robot_msgs_py.log_reader import LogReader
+from space_robot_msgs_py.log_recover import recover
+from space_robot_msgs_py.mcap_records import MAGIC, MESSAGE, flatten, message_bytes, record_bytes, scan
+from space_robot_msgs_py.transforms import FrameTransforms
+from tests.chaos.nasty import VALUES, changed_bytes, changed_text, changed_tree
+from tests.unit.test_limits import BAD_XML, BAD_YAML
+
+ROBOTS = ("mini", "servicer", "ets7")
+
+
+class TracebackShown(Exception):
+    """A command ended otherwise than with 0, 1 or 2, or showed what is for programmers."""
+
+
+@dataclass(frozen=True)
+class Bags:
+    """Bags of one short run, made once.
+
+    Attributes:
+        closed: the file as it is at the end of a run.
+        running: the file as a kill leaves it.
+        folder: where both run directories are.
+    """
+
+    closed: bytes
+    running: bytes
+    folder: Path
+
+
+def make_bags(folder: Path) -> Bags:
+    """Fly half a second."""
+    directory = folder / "run"
+    run_experiment(load_experiment("liu2023/fig08", ["duration=1.0", "expect={}"]), directory, mode="headless")
+    path = LogReader(directory).path
+    with path.open("rb") as stream:
+        stream.seek(len(MAGIC))
+        records = [*flatten(scan(stream, path.stat().st_size), str(path))]
+    plain = MAGIC + b"".join(struct.pack("<BQ", opcode, len(content)) + content for opcode, content in records)
+    return Bags(path.read_bytes(), plain, folder)
+
+
+def yaml_case(random: Random, folder: Path, bags: Bags) -> None:
+    """A text that is nearly an experiment, a robot, a campaign, a manifest, a description or an override."""
+    kind = random.choice(("experiment", "experiment", "logged", "robot", "campaign", "paper", "metadata", "value"))
+    if kind == "value":
+        parse_yaml_value(changed_text(random.choice(("[1, {a: 2}]", "0.5", "{x: [a, b]}")), random), "--set x")
+        return
+    path = _shipped(kind, random)
+    text = _bad_yaml(path.read_text(encoding="utf-8"), random)
+    file = folder / "file.yaml"
+    file.write_bytes(text.encode("utf-8", "surrogatepass"))
+    if kind == "experiment":
+        compose_logged(load_experiment(str(file)))
+    elif kind == "logged":
+        compose_logged(experiment_from(parse_yaml_text(text, "experiment"), "experiment"))
+    elif kind == "robot":
+        load_robot(file)
+    elif kind == "campaign":
+        make_case(load_campaign(str(file)), 0).experiment()
+    elif kind == "paper":
+        read_manifest(file, "paper")
+    else:
+        file.rename(folder / "metadata.yaml")
+        custom_data(folder / "x_0.mcap")
+
+
+def urdf_case(random: Random, folder: Path, bags: Bags) -> None:
+    """A text that is nearly a URDF, in a robot file, in the viewer and in the transforms of a log."""
+    robot = dict(_robot(random.choice(ROBOTS)))
+    if random.random() < 0.15:
+        robot["urdf"] = random.choice(list(BAD_XML.values()))[0]
+    elif random.random() < 0.5:
+        robot["urdf"] = changed_text(robot["urdf"], random)
+    else:
+        robot["urdf"] = _changed_xml(robot["urdf"], random)
+    match random.randrange(4):
+        case 0:
+            look_of(robot["urdf"])
+        case 1:
+            FrameTransforms(robot["urdf"], ("joint1", "joint2"))
+        case 2:
+            (folder / "arm.urdf").write_bytes(robot["urdf"].encode("utf-8", "surrogatepass"))
+            file = folder / "robot.yaml"
+            file.write_text(dump_yaml(robot | {"urdf": "arm.urdf"}), encoding="utf-8")
+            load_robot(file)
+        case _:
+            load_robot(robot)
+
+
+def mcap_case(random: Random, folder: Path, bags: Bags) -> None:
+    """A file that is nearly a log, through one of the commands' own ways in."""
+    path = folder / "bad" / "bad_0.mcap"
+    path.parent.mkdir()
+    path.write_bytes(_bad_log(random, bags))
+    if random.random() < 0.3:
+        text = dump_yaml({"rosbag2_bagfile_information": {"custom_data": {"mode": random.choice(VALUES)}}})
+        path.with_name("metadata.yaml").write_text(changed_text(text, random), "utf-8", "surrogatepass")
+    read = random.choice(READERS)
+    read(random.choice((path, path.parent)), folder)
+
+
+def cli_case(random: Random, folder: Path, bags: Bags) -> None:
+    """A command line that nobody meant, over files that are there and others that are not.
+
+    Raises:
+        TracebackShown: it did not end with one line and 0, 1 or 2.
+    """
+    bag = folder / "bag"
+    bag.mkdir()
+    (bag / "bag_0.mcap").write_bytes(bags.closed if random.random() < 0.7 else _bad_log(random, bags))
+    (folder / "file.yaml").write_text(
+        _bad_yaml(experiment_path("liu2023/fig08").read_text(), random), "utf-8", "replace"
+    )
+    arguments = [random.choice(COMMANDS), *(_argument(random, folder) for _ in range(random.randint(0, 4)))]
+    said, complained = StringIO(), StringIO()
+    with patch.object(sys, "argv", ["space-robot", *arguments]), redirect_stdout(said), redirect_stderr(complained):
+        try:
+            cli.main()
+        except SystemExit as end:
+            code = end.code
+    printed = said.getvalue() + complained.getvalue()
+    if code not in (0, 1, 2) or "Traceback" in printed or "\x1b" in printed:
+        raise TracebackShown(f"{arguments!r} ended with {code!r}: {complained.getvalue()[:500]}")
+    if code == 2 and len(complained.getvalue().strip().splitlines()) > 3:
+        raise TracebackShown(f"{arguments!r} complained in many lines: {complained.getvalue()[:500]}")
+
+
+KINDS: dict[str, Callable[[Random, Path, Bags], None]] = {
+    "yaml": yaml_case,
+    "urdf": urdf_case,
+    "mcap": mcap_case,
+    "cli": cli_case,
+}
+# What runs for long or starts processes is only given what it must refuse.
+COMMANDS = (
+    *("info", "info", "replay", "replay", "recover", "report", "view", "plot"),
+    *("check", "schema", "robot", "run", "list", "no such command"),
+)
+OPTIONS = (
+    *("--json", "--out", "-o", "--against", "--set", "--rtol", "--atol", "--ignore", "--experiment", "--namespace"),
+    *("--rate", "--loop", "--topics", "--as", "--law", "--allow-code", "--meshes", "--port", "--kind", "--mode"),
+    *("--duration", "--realtime", "--from", "--index", "--no-browser", "--help"),
+)
+
+
+def _argument(random: Random, folder: Path) -> str:
+    if random.random() < 0.35:
+        return random.choice(OPTIONS)
+    there = ("bag", "bag/bag_0.mcap", "file.yaml", "no", ".", "/", "..", "/dev/null", "out", "x" * 5000, "y/" * 2500)
+    words = ("controller", "plant", "both", "0", "-1", "1e400", "nan", "8080", "paper", "mini", "controller.law=none")
+    value = random.choice((*there, *there, *words, str(random.choice(VALUES)).replace("\0", "")))
+    if value == "/":
+        return value
+    return str(folder / value) if value in there and random.random() < 0.7 else value
+
+
+def _log_page(path: Path, folder: Path) -> None:
+    from space_robot_bringup.report.log_report import write_log_report
+
+    write_log_report(path, folder / "page.html")
+
+
+def _picture(path: Path, folder: Path) -> None:
+    from space_robot_bringup.report.figure import draw
+
+    draw(path, folder / "picture.png")
+
+
+def _view(path: Path, folder: Path) -> None:
+    from space_robot_bringup.view.load import load_show
+    from space_robot_bringup.view.motion import Motion
+
+    show, _ = load_show(path)
+    Motion(show.look.model, show.film).at(0.3)
+
+
+def _info(path: Path, folder: Path) -> None:
+    from space_robot_bringup.logs.show import info_dict
+
+    json.dumps(info_dict(bag_info(path)), allow_nan=False)
+
+
+def _replay(path: Path, folder: Path) -> None:
+    from space_robot_bringup.replay.show import as_dict
+
+    json.dumps(as_dict(replay(path, Order("both"))), allow_nan=False)
+
+
+READERS: Sequence[Callable[[Path, Path], Any]] = (
+    _info,
+    _info,
+    _replay,
+    _replay,
+    _log_page,
+    _view,
+    _picture,
+    lambda path, folder: recover(path, folder / "again"),
+    lambda path, folder: recover(path, folder / "again"),
+    lambda path, folder: LogReader(path).arrays(),
+    lambda path, folder: LogReader(path).unfit(),
+    lambda path, folder: LogReader(path).robot_description,
+    lambda path, folder: open_broadcast(path),
+    lambda path, folder: read_judged(path),
+)
+
+
+def _shipped(kind: str, random: Random) -> Path:
+    if kind in ("experiment", "logged"):
+        found = sorted((config_dir() / "experiments").rglob("*.yaml"))
+    elif kind == "metadata":
+        found = sorted((Path(__file__).parents[1] / "data" / "golden").glob("*_mini/metadata.yaml"))
+    elif kind == "robot":
+        found = [robot_path(name) for name in ROBOTS]
+    elif kind == "campaign":
+        found = sorted((config_dir() / "campaigns").rglob("*.yaml"))
+    else:
+        found = [manifest_path(name) for name in ("liu2023",)]
+    return random.choice(found)
+
+
+def _bad_yaml(text: str, random: Random) -> str:
+    draw = random.random()
+    if draw < 0.05:
+        return text + "\n" + random.choice(list(BAD_YAML.values()))[0]
+    if draw < 0.45:
+        return changed_text(text, random)
+    data = changed_tree(parse_yaml_text(text, "shipped"), random, random.choice((1, 1, 2, 5)))
+    return dump_yaml(data) if isinstance(data, dict) else str(data)
+
+
+@cache
+def _robot(name: str) -> dict[str, Any]:
+    return dict(load_robot(name).resolved)
+
+
+def _changed_xml(text: str, random: Random) -> str:
+    """Values of attributes replaced, elements dropped, doubled, moved or nested."""
+    from xml.etree import ElementTree as ET
+
+    root = ET.fromstring(text)
+    for _ in range(random.choice((1, 1, 3))):
+        elements = list(root.iter())
+        chosen, other = random.choice(elements), random.choice(elements)
+        match random.randrange(5):
+            case 0 if chosen.attrib:
+                value = random.choice((*map(str, VALUES), "0 0", "1 2 3 4", "nan 0 0", "1e999 0 0", "0 0 0"))
+                chosen.set(random.choice(list(chosen.attrib)), visible(value))
+            case 1 if len(other):
+                other.remove(random.choice(list(other)))
+            case 2 if chosen is not root and chosen not in other.iter() and other not in chosen.iter():
+                other.append(chosen)
+            case 3:
+                chosen.tag = random.choice(("link", "joint", "mesh", "robot", "origin", "inertial", "gazebo"))
+            case _:
+                chosen.attrib = dict(other.attrib)
+    return ET.tostring(root, encoding="unicode")
+
+
+def _bad_log(random: Random, bags: Bags) -> bytes:
+    draw = random.random()
+    if draw < 0.3:
+        return changed_bytes(bags.closed, random)
+    if draw < 0.55:
+        return changed_bytes(bags.running, random)
+    return _forged(random, bags)
+
+
+def _forged(random: Random, bags: Bags) -> bytes:
+    """A log whose records are whole, and say what nobody should."""
+    stream = BytesIO(bags.running)
+    stream.seek(len(MAGIC))
+    records = [(opcode, content) for opcode, content in scan(stream, len(bags.running))]
+    out, forge = [MAGIC], random.choice(("experiment", "experiment", "urdf", "header", "message", "chunk", "order"))
+    for opcode, content in records:
+        if opcode == Opcode.ATTACHMENT and forge in ("experiment", "urdf"):
+            out.append(_forged_attachment(content, forge, random))
+        elif opcode == Opcode.METADATA and forge == "header":
+            out.append(_forged_metadata(content, random))
+        elif opcode == Opcode.MESSAGE and forge == "message" and random.random() < 0.1:
+            channel, sequence, stamp, _ = MESSAGE.unpack_from(content)
+            stamp = random.choice((stamp, stamp, 0, 2**63, 1))
+            out.append(message_bytes(channel, sequence, stamp, changed_bytes(content[MESSAGE.size :], random)))
+        else:
+            out.append(struct.pack("<BQ", opcode, len(content)) + content)
+    if forge == "order":
+        random.shuffle(out)
+        out.insert(0, MAGIC)
+    if forge == "chunk":
+        size = random.choice((0, 10, 2**20, 2**34, 2**63))
+        chunk = Chunk(random.choice(("zstd", "lz4", "", "x")), random.randbytes(50), 0, 0, 0, size)
+        out.insert(random.randrange(1, len(out)), record_bytes(chunk))
+        out.append(record_bytes(Schema(id=1, data=b"x", encoding="ros2msg", name="std_msgs/msg/String")))
+        out.append(record_bytes(Channel(id=1, topic="/\x1b[31m", message_encoding="cdr", metadata={}, schema_id=9)))
+    return b"".join(out)
+
+
+def _forged_attachment(content: bytes, forge: str, random: Random) -> bytes:
+
+    attachment: Attachment = Attachment.read(ReadDataStream(BytesIO(content)))
+    text = attachment.data.decode()
+    if forge == "experiment" and attachment.name == "experiment.yaml":
+        text = _bad_yaml(text, random)
+    elif forge == "urdf" and attachment.name == "robot.urdf":
+        text = _changed_xml(text, random)
+    return record_bytes(replace(attachment, data=text.encode("utf-8", "surrogatepass")))
+
+
+def _forged_metadata(content: bytes, random: Random) -> bytes:
+
+    metadata: Metadata = Metadata.read(ReadDataStream(BytesIO(content)))
+    entries = dict(metadata.metadata)
+    for name in list(entries):
+        if random.random() < 0.5:
+            value = changed_tree(random.choice(([], ["joint1", "joint2"], {"a": "b"}, 3, "x")), random)
+            entries[name] = json.dumps(value, default=str)
+    return record_bytes(Metadata(name=metadata.name, metadata=entries))
