@@ -7,7 +7,7 @@ OUT ?= out/demo
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 
-.PHONY: help demo test check golden bench studies clean
+.PHONY: help demo test check golden bench studies fuzz clean
 .DEFAULT_GOAL := help
 
 help:
@@ -16,6 +16,7 @@ help:
 	@echo "make check   ruff and mypy only"
 	@echo "make studies every figure and table of the three papers, and the laws compared; leaves pages in out/studies"
 	@echo "make golden  fly the reference logs of the tests again, and say what is different"
+	@echo "make fuzz    10,000 files and command lines that are nearly right: no traceback, no hang (CASES=, SEED=)"
 	@echo "make bench   speed of the plant, the loop, the graph and the log"
 
 $(VENV)/bin/uv:
@@ -49,6 +50,11 @@ test: check
 
 golden: $(VENV)/.run
 	$(BIN)/space-robot replay tests/data/golden/* --update-refs
+
+CASES ?= 10000
+SEED ?= 1
+fuzz: $(VENV)/.dev
+	$(BIN)/python -m tests.chaos.fuzz --cases $(CASES) --seed $(SEED)
 
 bench: $(VENV)/.dev
 	$(BIN)/python -m benchmarks
