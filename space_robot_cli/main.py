@@ -9,6 +9,7 @@ import json
 import signal
 import sys
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any, Never
 
 import typer
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from space_robot_bringup.modes.run import RunResult
 
 MODES = ("headless", "graph", "processes")
+# What typer makes of a KeyboardInterrupt.
+INTERRUPTED = 130
 
 
 @app.command("list")
@@ -169,7 +172,8 @@ def _fly(spec: Experiment, place: Path, mode: Any, realtime: float | None, *, qu
 
 
 def main() -> Never:
-    """Entry point: one line per error, exit 2 on bad input, no traceback."""
+    """Entry point: one line per error or interrupt, exit 2 on bad input, no traceback."""
+    before = signal.signal(signal.SIGTERM, _interrupt)
     try:
         # Without standalone mode an Exit of a command is what app returns.
         code = app(standalone_mode=False)
@@ -177,7 +181,7 @@ def main() -> Never:
         err.print(f"space-robot: {error}", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
-        sys.exit(FAILED)
+        code = INTERRUPTED
     except Exception as error:
         # Usage errors of the parser know how to show themselves; anything else is a bug and shows its trace.
         show = getattr(error, "format_message", None)
@@ -185,4 +189,14 @@ def main() -> Never:
             raise
         err.print(f"space-robot: {show()}; see --help", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    if code == INTERRUPTED:
+        err.print("space-robot: interrupted", style="red", markup=False)
+        sys.exit(FAILED)
     sys.exit(code or 0)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """SIGTERM ends a command as Ctrl-C does; those that run something have handlers of their own meanwhile."""
+    raise KeyboardInterrupt

@@ -92,7 +92,7 @@ class Campaign(Strict):
         return Point({key: labels[key] for key in self.vary}, {key: values[key] for key in self.vary})
 
 
-def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
+def load_campaign(name_or_path: str | Path, runs: int | None = None) -> Campaign:
     """Read a campaign and resolve it: the result holds its experiment, robot included, and needs no other file.
 
     Args:
@@ -107,7 +107,7 @@ def load_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
     return campaign.model_copy(update={"experiment": _experiment(campaign, path), "set": {}})
 
 
-def read_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
+def read_campaign(name_or_path: str | Path, runs: int | None = None) -> Campaign:
     """The campaign as its file says it, with paths beside that file made whole; see ``load_campaign``."""
     path = campaign_path(name_or_path)
     data = parse_yaml(path)
@@ -115,10 +115,10 @@ def read_campaign(name_or_path: str, runs: int | None = None) -> Campaign:
     return _with_files(campaign, path.parent)
 
 
-def campaign_path(name_or_path: str) -> Path:
+def campaign_path(name_or_path: str | Path) -> Path:
     """The file of a shipped campaign, or the given path."""
     message = "no such campaign file or shipped campaign"
-    return shipped_or_file(name_or_path, "campaigns", key="campaign", message=message)
+    return shipped_or_file(str(name_or_path), "campaigns", key="campaign", message=message)
 
 
 def _experiment(campaign: Campaign, path: Path) -> dict[str, Any]:

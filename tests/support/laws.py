@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from threading import Event
 
 import numpy as np
 
@@ -43,3 +44,56 @@ class Deadly(Law):
         """Never return."""
         os.kill(os.getpid(), signal.SIGKILL)
         raise AssertionError("survived")
+
+
+class Exits(Law):
+    """Ends the interpreter, as it thinks."""
+
+    name = "exits"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never return."""
+        raise SystemExit("enough of this")
+
+
+class Leaves(Law):
+    """Ends its process without a word."""
+
+    name = "leaves"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never return."""
+        os._exit(7)
+
+
+class Endless(Law):
+    """Computes for ever."""
+
+    name = "endless"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never return."""
+        while True:
+            pass
+
+
+class Waits(Law):
+    """Waits for what never comes."""
+
+    name = "waits"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never return."""
+        Event().wait()
+        raise AssertionError("woke up")
+
+
+class Talks(Law):
+    """Prints on stdout."""
+
+    name = "talks"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return nothing and say so."""
+        print("hear me")
+        return np.zeros(6 + self.n), {}
