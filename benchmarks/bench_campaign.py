@@ -7,8 +7,8 @@ from pathlib import Path
 from statistics import median
 
 from space_robot_studies.campaign.campaign import run_campaign
-from space_robot_studies.campaign.journal import finished_row
 from space_robot_studies.campaign.spec import load_campaign
+from space_robot_studies.engine.journal import finished_row
 
 RUNS, REPEATS, WORKERS = 100, 3, 2
 CAMPAIGN = """

@@ -99,4 +99,4 @@ def _paper(plan: Plan) -> Checked:
         f"{figure}: {spec.title} ({sum(map(len, plan.runs[figure].values()))} runs, {len(spec.claims)} claims)"
         for figure, spec in plan.manifest.figures.items()
     )
-    return Checked(f"{len(facts)} figures and studies, {len(plan.flights(plan.manifest.figures))} flights", facts)
+    return Checked(f"{len(facts)} figures and studies, {len(plan.distinct_runs(plan.manifest.figures))} runs", facts)

@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from space_robot_control.laws.policy import LawPolicy
 
 MODES = ("headless", "graph", "processes")
+# What typer makes of a KeyboardInterrupt.
+INTERRUPTED = 130
 
 
 @app.command("list")
@@ -261,4 +263,7 @@ def main() -> Never:
             raise
         err.print(f"space-robot: {show()}; see --help", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
+    if code == INTERRUPTED:
+        err.print("space-robot: interrupted", style="red", markup=False)
+        sys.exit(FAILED)
     sys.exit(code or 0)

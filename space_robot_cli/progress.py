@@ -26,12 +26,12 @@ class Progress:
         self._shown_quarter = 0
         self._bar: RichProgress | None = None
         if console.is_terminal and not quiet:
-            columns = (TextColumn("flying"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+            columns = (TextColumn("running"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
             self._bar = RichProgress(*columns, console=console, transient=True)
-            self._task = self._bar.add_task("flying", total=steps)
+            self._task = self._bar.add_task("running", total=steps)
 
     def begin(self, tick: int) -> None:
-        """It starts from here: what was done before tells nothing of how fast it goes."""
+        """Start from here: what was done before says nothing about how fast it goes."""
         self._shown_quarter = PLAIN_LINES * tick // self._steps
         if self._bar is not None:
             self._bar.reset(self._task, completed=tick)

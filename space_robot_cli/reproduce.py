@@ -1,35 +1,34 @@
-"""What ``space-robot reproduce`` does, step by step, between its options and its exit code."""
+"""What ``space-robot reproduce`` does between its options and its exit code."""
 
 from __future__ import annotations
 
 import json
-import signal
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 
-from space_robot_bringup.modes.compilation import notice
-from space_robot_bringup.modes.signals import StopFlag
-from space_robot_cli.progress import Progress
 from space_robot_cli.render.paper import markdown, show
+from space_robot_cli.study import announce, print_interrupted, study
+from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.bounded_files import is_directory, short
 from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_studies.engine.tasks import TIME_LIMIT
 from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
-from space_robot_studies.reproduce.process_pool import cores
-from space_robot_studies.reproduce.reproduction import FlownFigure, check_workers, prepare, reproduce
+from space_robot_studies.reproduce.reproduction import reproduce
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
-    """What was asked for.
+class Options:
+    """The options of the command.
 
     Attributes:
         paper: name or manifest file.
         figures: which; none: all.
         directory: of the report; None: ``out/<paper>``.
         workers: processes; None: one per core.
+        resume: keep the finished runs in the directory that are still the same.
+        time_limit: [s] of CPU time of a run; None: the default.
         markdown: where the claims go as a table; None: nowhere.
         as_json: print claims.json and nothing else on stdout.
     """
@@ -38,15 +37,17 @@ class Order:
     figures: tuple[str, ...] = ()
     directory: Path | None = None
     workers: int | None = None
+    resume: bool = False
+    time_limit: float | None = None
     markdown: Path | None = None
     as_json: bool = False
 
 
-def carry_out(order: Order, out: Console, err: Console) -> bool:
-    """Check, fly, draw, judge and print.
+def run(options: Options, out: Console, err: Console) -> bool:
+    """Check, run, draw, judge and print.
 
     Args:
-        order: what to do.
+        options: of the command.
         out: stdout.
         err: stderr, for progress.
 
@@ -56,47 +57,44 @@ def carry_out(order: Order, out: Console, err: Console) -> bool:
     Raises:
         SpaceRobotError: something is wrong with the input; nothing was written.
     """
-    check_workers(order.workers)
     try:
-        from space_robot_msgs_py.atomic_file import write_atomically
         from space_robot_report.figures.paper import check_colors
         from space_robot_report.pages.paper_report import PAGE, write_report
     except ImportError as error:
         needs = f"reproduce needs matplotlib and jinja2 ({error})"
         raise SpecError(needs, accepted="install space-robot[viz]") from None
-    plan = load_plan(order.paper)
-    figures = choose_figures(plan.manifest, order.figures)
-    for name in figures:
-        check_colors(plan.manifest.figures[name], f"{plan.argument} figures.{name}")
-    if order.markdown is not None and not is_directory(order.markdown.resolve().parent):
-        raise InputFileError("no such folder", key="--markdown", value=short(order.markdown))
-    directory = order.directory or Path("out") / plan.name
-    flights = plan.flights(figures).values()
-    laws = [name for flight in flights for name in flight.experiment.controller.law_names]
-    if not order.as_json and (line := notice(laws)):
-        err.print(line)
-    prepare(plan, figures, directory)
-    with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
-        flown = _fly(plan, figures, directory, order, err, lambda: stop.reason)
-        if flown is None:
-            line = f"{stop.reason}: nothing was judged; finished bags are in {directory}"
-            err.print(line, markup=False, soft_wrap=True)
+    with study(err, quiet=options.as_json) as hooks:
+        plan = load_plan(options.paper)
+        figures = choose_figures(plan.manifest, options.figures)
+        for name in figures:
+            check_colors(plan.manifest.figures[name], f"{plan.argument} figures.{name}")
+        if options.markdown is not None and not is_directory(options.markdown.resolve().parent):
+            raise InputFileError("no such folder", key="--markdown", value=short(options.markdown))
+        if not options.as_json:
+            announce(err, _laws(plan, figures))
+        directory = options.directory or Path("out") / plan.name
+        result = reproduce(
+            plan,
+            directory,
+            figures=figures,
+            workers=options.workers,
+            resume=options.resume,
+            time_limit=TIME_LIMIT if options.time_limit is None else options.time_limit,
+            hooks=hooks,
+        )
+        if result.end_reason != "completed":
+            print_interrupted(err, result.end_reason)
             return False
-        data = write_report(plan, flown, directory)
-        if order.markdown is not None:
-            write_atomically(order.markdown, markdown(data))
-    if order.as_json:
+        data = write_report(plan, result.figures, directory)
+        if options.markdown is not None:
+            write_atomically(options.markdown, markdown(data))
+    if options.as_json:
         print(json.dumps(data, allow_nan=False))
     else:
         show(out, data)
         out.print(f"page: {directory / PAGE}", markup=False, soft_wrap=True)
-    return bool(data["passed"])
+    return result.passed
 
 
-def _fly(
-    plan: Plan, figures: Sequence[str], directory: Path, order: Order, err: Console, stop: Callable[[], str | None]
-) -> list[FlownFigure] | None:
-    flights = len(plan.flights(figures))
-    with Progress(err, flights, quiet=order.as_json, unit="run") as progress:
-        workers = order.workers or cores()
-        return reproduce(plan, figures, directory, workers=workers, on_done=progress.reach, stop=stop)
+def _laws(plan: Plan, figures: list[str]) -> list[str]:
+    return [name for run in plan.distinct_runs(figures).values() for name in run.experiment.controller.law_names]

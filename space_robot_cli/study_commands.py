@@ -1,4 +1,4 @@
-"""The commands that fly many runs: campaigns, comparisons and reproductions of papers."""
+"""The commands of many runs: campaigns, comparisons and reproductions of papers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from space_robot_cli.app import FAILED, JsonOption, app, err, out, warn
+from space_robot_cli.app import FAILED, JsonOption, app, err, out
+from space_robot_cli.study import ResumeOption, TimeLimitOption, WorkersOption, announce, single_threaded, study
 from space_robot_msgs_py.errors import SpecError
 
 if TYPE_CHECKING:
@@ -21,36 +22,39 @@ KEPT = ("failed", "all", "none")
 def campaign(
     file: Annotated[str, typer.Argument(help="shipped name such as fig08_dispersed, or YAML file")],
     runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
-    workers: Annotated[int | None, typer.Option(help="local worker processes; default: one per core")] = None,
+    workers: WorkersOption = None,
     scheduler: Annotated[str | None, typer.Option(help="address of a Dask scheduler instead of local workers")] = None,
     directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="go on with what is in the directory")] = False,
+    resume: ResumeOption = False,
     keep: Annotated[str, typer.Option(help=f"whose bags to keep, one of: {', '.join(KEPT)}")] = "failed",
+    time_limit: TimeLimitOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Fly many runs with what strays drawn anew, and sum them up."""
+    """Run a Monte Carlo campaign and summarise it."""
     if keep not in KEPT:
         raise SpecError("no such choice", key="--keep", value=keep, accepted=", ".join(KEPT))
-    try:
-        from space_robot_cli import campaign as command
-        from space_robot_cli.render import campaign as show
-    except ImportError as error:
-        raise SpecError(f"campaign needs Dask and more ({error})", accepted="install space-robot[campaign]") from None
+    single_threaded()
+    from space_robot_cli.render import campaign as show
+    from space_robot_studies.campaign.campaign import run_campaign
+    from space_robot_studies.campaign.cases import make_case
     from space_robot_studies.campaign.spec import campaign_path, load_campaign
+    from space_robot_studies.engine.tasks import TIME_LIMIT
 
-    spec = load_campaign(file, runs)
-    place = directory or Path("runs") / campaign_path(file).stem
-    result = command.fly(
-        spec,
-        place,
-        workers=workers,
-        scheduler=scheduler,
-        resume=resume,
-        keep=cast("Keep", keep),
-        console=err,
-        quiet=as_json,
-        warn=warn,
-    )
+    with study(err, quiet=as_json) as hooks:
+        spec = load_campaign(file, runs)
+        if not as_json:
+            laws = [make_case(spec, index).data["controller"]["law"] for index in range(spec.points)]
+            announce(err, laws, plant=scheduler is None)
+        result = run_campaign(
+            spec,
+            directory or Path("runs") / campaign_path(file).stem,
+            workers=workers,
+            scheduler=scheduler,
+            resume=resume,
+            keep=cast("Keep", keep),
+            time_limit=TIME_LIMIT if time_limit is None else time_limit,
+            hooks=hooks,
+        )
     if as_json:
         print(json.dumps(show.as_dict(spec.title, result), allow_nan=False))
     else:
@@ -66,24 +70,23 @@ def compare_laws(
         typer.Argument(metavar="[FILE]...", help="campaigns that vary the law; default: compare_mini compare_servicer"),
     ] = None,
     runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
-    workers: Annotated[int | None, typer.Option(help="local worker processes; default: one per core")] = None,
+    workers: WorkersOption = None,
     directory: Annotated[Path, typer.Option("--out", help="directory")] = Path("out/compare"),
-    resume: Annotated[bool, typer.Option("--resume", help="go on with what is in the directory")] = False,
+    resume: ResumeOption = False,
+    time_limit: TimeLimitOption = None,
     metric: Annotated[
         list[str] | None, typer.Option("--metric", metavar="NAME", help="print only this table; may be given often")
     ] = None,
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write all tables")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Fly laws side by side on one task and print what each did at each period."""
-    try:
-        from space_robot_cli.compare import Order, carry_out
-    except ImportError as error:
-        raise SpecError(f"compare needs Dask and more ({error})", accepted="install space-robot[campaign]") from None
+    """Run laws side by side on one task and print what each did at each period."""
+    single_threaded()
+    from space_robot_cli.compare import Options, run
 
-    campaigns = tuple(files or ("compare_mini", "compare_servicer"))
-    order = Order(campaigns, directory, runs, workers, resume, tuple(metric or ()), markdown, as_json)
-    if not carry_out(order, out, err, warn):
+    campaigns, metrics = tuple(files or ("compare_mini", "compare_servicer")), tuple(metric or ())
+    options = Options(campaigns, directory, runs, workers, resume, time_limit, metrics, markdown, as_json)
+    if not run(options, out, err):
         raise typer.Exit(FAILED)
 
 
@@ -94,13 +97,16 @@ def reproduce(
         list[str] | None, typer.Option("--figure", metavar="N", help="only this figure; may be given more than once")
     ] = None,
     directory: Annotated[Path | None, typer.Option("--out", help="report directory; default out/<paper>")] = None,
-    workers: Annotated[int | None, typer.Option(help="processes; default: one per core")] = None,
+    workers: WorkersOption = None,
+    resume: Annotated[bool, typer.Option("--resume", help="keep the finished runs that are still the same")] = False,
+    time_limit: TimeLimitOption = None,
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write the claims as a table")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Fly the figures of a paper, draw them and judge its claims one by one."""
-    from space_robot_cli.reproduce import Order, carry_out
+    """Run the figures of a paper, draw them and judge its claims one by one."""
+    single_threaded()
+    from space_robot_cli.reproduce import Options, run
 
-    order = Order(paper, tuple(figure or ()), directory, workers, markdown, as_json)
-    if not carry_out(order, out, err):
+    options = Options(paper, tuple(figure or ()), directory, workers, resume, time_limit, markdown, as_json)
+    if not run(options, out, err):
         raise typer.Exit(FAILED)

@@ -31,7 +31,7 @@ def report(
 ) -> None:
     """Write one page that works offline: verdict, plots, 3-D playback, provenance; of a campaign what it adds up to."""
     from space_robot_description.share import is_file
-    from space_robot_studies.campaign.journal import CAMPAIGN
+    from space_robot_studies.campaign.directory import CAMPAIGN
 
     target = page or beside(place, ".html")
     if os.path.isdir(target):

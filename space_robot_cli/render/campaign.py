@@ -1,4 +1,4 @@
-"""How a campaign looks: progress while it flies, tables and one dictionary at its end."""
+"""How a campaign looks at its end: tables for people, one dictionary for programs."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from rich.table import Table
 
 from space_robot_cli.terminal import markup
 from space_robot_studies.campaign.campaign import TABLE, CampaignResult, describe
-from space_robot_studies.campaign.journal import CAMPAIGN, bag_path
+from space_robot_studies.campaign.directory import CAMPAIGN
 from space_robot_studies.campaign.statistics import Group, Rate
+from space_robot_studies.engine.journal import bag_path
 
 SHOWN_CASES = 5
 
@@ -26,6 +27,7 @@ def as_dict(title: str, result: CampaignResult) -> dict[str, Any]:
         "passed": result.passed,
         "done": result.done,
         "total": result.total,
+        "lost": result.lost,
         "wall_time": result.wall_time,
         "groups": [group.to_dict() for group in result.groups],
         "checks": [
@@ -35,7 +37,7 @@ def as_dict(title: str, result: CampaignResult) -> dict[str, Any]:
 
 
 def campaign(console: Console, title: str, result: CampaignResult) -> None:
-    """Print the spreads, the rates, the failed cases and how to fly one again."""
+    """Print the spreads, the rates, the failed cases and how to run one again."""
     for group in result.groups:
         console.print(_spreads(group))
         for line in _lines(group, result):
@@ -53,9 +55,11 @@ def campaign(console: Console, title: str, result: CampaignResult) -> None:
     )
     if result.groups:
         console.print(f"table: {result.directory / TABLE}", markup=False, soft_wrap=True)
-    else:
-        again = f"space-robot campaign {result.directory / CAMPAIGN} --out {result.directory} --resume"
+    again = f"space-robot campaign {result.directory / CAMPAIGN} --out {result.directory} --resume"
+    if not result.groups:
         console.print(f"finished rows are kept; go on: {again}", markup=False, soft_wrap=True)
+    elif result.lost:
+        console.print(f"lost with their worker: {result.lost}; run them again: {again}", markup=False, soft_wrap=True)
 
 
 def _spreads(group: Group) -> Table:

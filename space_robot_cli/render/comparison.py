@@ -16,7 +16,7 @@ from space_robot_studies.compare.tables import COST, LEGEND, cost_text, headings
 def show(
     console: Console, comparison: Comparison, costs: dict[str, float | None], metrics: Sequence[str] = tuple(METRICS)
 ) -> None:
-    """Print one table per metric, what a cycle costs and why flights ended."""
+    """Print one table per metric, what a cycle costs and why runs ended."""
     console.print(comparison.title or comparison.name, style="bold", markup=False)
     for metric in metrics:
         table = Table(box=SIMPLE_HEAD, title=markup(METRICS[metric]), title_justify="left")

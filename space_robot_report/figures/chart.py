@@ -8,19 +8,19 @@ from space_robot_msgs_py.escapes import mathtext
 from space_robot_report.figures.curves import shown
 from space_robot_report.palette import PALETTE
 from space_robot_studies.reproduce.manifest import Chart
-from space_robot_studies.reproduce.measures import FlownRun, reduce
-from space_robot_studies.reproduce.reproduction import FlownFigure
+from space_robot_studies.reproduce.measures import FinishedRun, reduce
+from space_robot_studies.reproduce.reproduction import FigureResult
 
 HALF_BAR, GOLDEN = 0.3, 0.618033988749895
 
 
-def draw_chart(axis: Any, chart: Chart, flown: FlownFigure) -> None:
+def draw_chart(axis: Any, chart: Chart, flown: FigureResult) -> None:
     """Draw every run that has the number as a dot and say how many have none."""
     runs = shown(chart, flown)
     without = 0
     for column, group in enumerate(dict.fromkeys(run.group for run, _ in runs)):
         members = [pair for pair in runs if pair[0].group == group]
-        points: dict[float, list[FlownRun]] = {}
+        points: dict[float, list[FinishedRun]] = {}
         for pair in members:
             points.setdefault(float(pair[0].values[chart.x]) if chart.x else float(column), []).append(pair)
         without += _draw_group(axis, chart, flown, dict(sorted(points.items())))
@@ -42,7 +42,7 @@ def draw_chart(axis: Any, chart: Chart, flown: FlownFigure) -> None:
 plain = mathtext
 
 
-def _draw_group(axis: Any, chart: Chart, flown: FlownFigure, points: dict[float, list[FlownRun]]) -> int:
+def _draw_group(axis: Any, chart: Chart, flown: FigureResult, points: dict[float, list[FinishedRun]]) -> int:
     """Draw a group and return how many of its runs lack the number."""
     members = [pair for pairs in points.values() for pair in pairs]
     color = _color(chart, flown, members[0][0].group)
@@ -70,7 +70,7 @@ def _aside(index: int) -> float:
     return HALF_BAR * (2.0 * ((0.5 + index * GOLDEN) % 1.0) - 1.0)
 
 
-def _color(chart: Chart, flown: FlownFigure, group: str) -> str:
+def _color(chart: Chart, flown: FigureResult, group: str) -> str:
     """One color per group: the abscissa tells the runs of a sweep apart."""
     style = chart.style.get(group)
     index = list(flown.figure.runs).index(group)

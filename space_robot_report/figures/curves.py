@@ -9,8 +9,8 @@ import matplotlib as mpl
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_report.palette import PALETTE
 from space_robot_studies.reproduce.manifest import Drawing, Panel
-from space_robot_studies.reproduce.measures import FlownRun
-from space_robot_studies.reproduce.reproduction import FlownFigure
+from space_robot_studies.reproduce.measures import FinishedRun
+from space_robot_studies.reproduce.reproduction import FigureResult
 
 LINES = ("solid", "dashed", "dashdot", "dotted")
 # Larger groups are one cloud of thin curves with one entry in the legend; a sweep has shades for more.
@@ -31,7 +31,7 @@ class Curve:
     held: bool
 
 
-def curves_of(panel: Panel, flown: FlownFigure) -> list[Curve]:
+def curves_of(panel: Panel, flown: FigureResult) -> list[Curve]:
     """The curves of a panel; a reference or a true value that several runs share is drawn once."""
     runs = shown(panel, flown)
     curves: list[Curve] = []
@@ -53,12 +53,12 @@ def curves_of(panel: Panel, flown: FlownFigure) -> list[Curve]:
     return curves
 
 
-def shown(drawing: Drawing, flown: FlownFigure) -> list[FlownRun]:
+def shown(drawing: Drawing, flown: FigureResult) -> list[FinishedRun]:
     """The runs a drawing shows."""
     return [pair for pair in flown.runs if drawing.of is None or pair[0].group in drawing.of]
 
 
-def _text_of(drawing: Drawing, run: FlownRun, flown: FlownFigure) -> str:
+def _text_of(drawing: Drawing, run: FinishedRun, flown: FigureResult) -> str:
     """The legend of a run: what the manifest says, else the label of the run, or of its group where it is a cloud."""
     planned = run[0]
     for name in (planned.label, planned.group):
@@ -68,15 +68,15 @@ def _text_of(drawing: Drawing, run: FlownRun, flown: FlownFigure) -> str:
     return f"{planned.group} ({len(members)} runs)" if _is_cloud(flown, planned.group) else planned.label
 
 
-def _members(flown: FlownFigure, group: str) -> list[str]:
+def _members(flown: FigureResult, group: str) -> list[str]:
     return [run.label for run, _ in flown.runs if run.group == group]
 
 
-def _is_cloud(flown: FlownFigure, group: str) -> bool:
+def _is_cloud(flown: FigureResult, group: str) -> bool:
     return len(_members(flown, group)) > (SHADES if flown.figure.runs[group].sweep else SINGLY)
 
 
-def _curve(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun, signal: str) -> Curve:
+def _curve(panel: Panel, flown: FigureResult, runs: list[FinishedRun], run: FinishedRun, signal: str) -> Curve:
     planned, flight = run
     color, line, width = _look(panel, flown, runs, run, signal)
     names = (signal,) if _is_given(signal) else (signal, planned.label, planned.group)
@@ -96,7 +96,9 @@ def _curve(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun
     )
 
 
-def _look(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun, signal: str) -> tuple[str, str, float]:
+def _look(
+    panel: Panel, flown: FigureResult, runs: list[FinishedRun], run: FinishedRun, signal: str
+) -> tuple[str, str, float]:
     """Color, line and width where the manifest says none."""
     if _is_given(signal):
         return "black", "dotted", 1.2
@@ -107,7 +109,7 @@ def _look(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun,
     return _color(flown, run), line, 0.7 if _is_cloud(flown, run[0].group) else 1.4
 
 
-def _color(flown: FlownFigure, run: FlownRun) -> str:
+def _color(flown: FigureResult, run: FinishedRun) -> str:
     """A shade of a sweep, or the next of the palette: one for each run of a small group, one for a large one."""
     groups = list(flown.figure.runs)
     members = {group: _members(flown, group) for group in groups}
@@ -122,14 +124,14 @@ def _color(flown: FlownFigure, run: FlownRun) -> str:
     return PALETTE[(taken + own) % len(PALETTE)]
 
 
-def _nth_sweep(flown: FlownFigure, runs: list[FlownRun], group: str) -> int:
+def _nth_sweep(flown: FigureResult, runs: list[FinishedRun], group: str) -> int:
     """All sweeps have the same shades: what tells the second of a panel from the first is its line."""
     shown_groups = dict.fromkeys(run.group for run, _ in runs)
     sweeps = [label for label in shown_groups if flown.figure.runs[label].sweep]
     return sweeps.index(group) if group in sweeps else 0
 
 
-def _label(panel: Panel, flown: FlownFigure, runs: list[FlownRun], run: FlownRun, signal: str) -> str:
+def _label(panel: Panel, flown: FigureResult, runs: list[FinishedRun], run: FinishedRun, signal: str) -> str:
     signal_text = panel.legend.get(signal, signal)
     several = len({other.label for other, _ in runs}) > 1
     if _is_given(signal) or not several:

@@ -12,17 +12,17 @@ from space_robot_report.figures.curves import shown
 from space_robot_report.palette import PALETTE
 from space_robot_studies.reproduce.expression import Formula
 from space_robot_studies.reproduce.manifest import Grid
-from space_robot_studies.reproduce.measures import FlownRun, reduce
-from space_robot_studies.reproduce.reproduction import FlownFigure
+from space_robot_studies.reproduce.measures import FinishedRun, reduce
+from space_robot_studies.reproduce.reproduction import FigureResult
 
 NONE = "#e3d5d5"
 LINES = ("solid", "dashed", "dashdot", "dotted")
 FINE = 200
 
 
-def draw_grid(axis: Any, grid: Grid, flown: FlownFigure) -> None:
+def draw_grid(axis: Any, grid: Grid, flown: FigureResult) -> None:
     """Draw one cell per point, grey where no run has the number, and the formulas as lines."""
-    points: dict[tuple[float, float], list[FlownRun]] = {}
+    points: dict[tuple[float, float], list[FinishedRun]] = {}
     for run in shown(grid, flown):
         values = run[0].values
         points.setdefault((float(values[grid.x]), float(values[grid.y])), []).append(run)

@@ -14,7 +14,7 @@ from space_robot_report.figures.grid import draw_grid
 from space_robot_report.figures.pictures import own_settings, plt
 from space_robot_report.figures.stability_map import draw_stability
 from space_robot_studies.reproduce.manifest import Drawing, Figure
-from space_robot_studies.reproduce.reproduction import FlownFigure
+from space_robot_studies.reproduce.reproduction import FigureResult
 
 WIDTH, HEIGHT, ALONE = 8.0, 2.6, 4.0
 LOOK = {
@@ -44,7 +44,7 @@ def check_colors(figure: Figure, key: str) -> None:
                     raise SpecError("not a color", key=where, value=style.color, accepted="red, '#a0b0c0', C0, ...")
 
 
-def draw_figure(flown: FlownFigure, path: Path) -> bool:
+def draw_figure(flown: FigureResult, path: Path) -> bool:
     """Draw a flown figure into a PNG file.
 
     Returns:
@@ -79,7 +79,7 @@ def draw_figure(flown: FlownFigure, path: Path) -> bool:
     return True
 
 
-def _draw_panels(flown: FlownFigure, axes: Any) -> None:
+def _draw_panels(flown: FigureResult, axes: Any) -> None:
     for axis, panel in zip(axes, flown.figure.panels, strict=True):
         for index, curve in enumerate(curves_of(panel, flown)):
             # What the manifest names first lies on top.

@@ -13,10 +13,11 @@ from space_robot_msgs_py.errors import LogError
 from space_robot_report.pages.interactive import PlotBook, embedded, interactive_page
 from space_robot_report.pages.spreads import spread_figures
 from space_robot_studies.campaign.campaign import describe, judge_groups
-from space_robot_studies.campaign.journal import bag_path, begun_campaign, finished_rows
+from space_robot_studies.campaign.directory import begun_campaign, campaign_rows
 from space_robot_studies.campaign.spec import Campaign
 from space_robot_studies.campaign.statistics import Group, summarise
 from space_robot_studies.campaign.table import FIXED
+from space_robot_studies.engine.journal import bag_path
 
 TEMPLATE = "campaign.html.j2"
 # Of cases in a list; the rest is in the table of the campaign.
@@ -39,8 +40,8 @@ def write_campaign_report(directory: Path, out: Path) -> int:
         LogError: it has no finished case, its rows are damaged, or the page cannot be written.
     """
     campaign = begun_campaign(directory)
-    versions, found = finished_rows(directory)
-    rows = [found[index].columns for index in sorted(found)]
+    versions, found = campaign_rows(directory)
+    rows = [found[index].columns for index in sorted(found, key=int)]
     if not rows:
         raise LogError("no case has finished yet", key=str(directory))
     write_atomically(out, campaign_page(campaign, rows, versions, directory))

@@ -11,13 +11,13 @@ from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_report.figures.paper import draw_figure
 from space_robot_report.pages.html import environment
 from space_robot_studies.reproduce.plan import Plan, picture_name
-from space_robot_studies.reproduce.reproduction import CLAIMS, FlownFigure
+from space_robot_studies.reproduce.reproduction import CLAIMS, FigureResult
 from space_robot_studies.reproduce.summary import Data, count, heading, sample, summary
 
 PAGE = "index.html"
 
 
-def write_report(plan: Plan, flown: Sequence[FlownFigure], directory: Path) -> Data:
+def write_report(plan: Plan, flown: Sequence[FigureResult], directory: Path) -> Data:
     """Draw and write everything.
 
     Args:

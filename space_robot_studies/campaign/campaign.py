@@ -1,49 +1,34 @@
-"""One campaign from beginning to end: checked, flown, kept, summed up."""
+"""One campaign from beginning to end: checked, run, kept, summarised."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
-from typing import Any, get_args
+from typing import Any
 
 from space_robot_bringup.compose.composition import Composition, versions
 from space_robot_bringup.judge.metrics import metric_names
 from space_robot_bringup.judge.verdict import Check, check_bounds, check_expectations
 from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SilenceError, SpecError
-from space_robot_studies.campaign import journal
-from space_robot_studies.campaign.cases import Case, check_cases, make_case
-from space_robot_studies.campaign.cluster import workers_at
-from space_robot_studies.campaign.dispatch import Lost, fly_cases
-from space_robot_studies.campaign.journal import Journal, Row
-from space_robot_studies.campaign.run_case import Flown, Keep, failure
-from space_robot_studies.campaign.spec import Campaign
+from space_robot_studies.campaign.cases import check_cases, make_case
+from space_robot_studies.campaign.directory import check_directory, open_campaign, to_yaml
+from space_robot_studies.campaign.run_case import CaseResult, Keep, failure, run_case, warm
+from space_robot_studies.campaign.spec import Campaign, load_campaign
 from space_robot_studies.campaign.statistics import Group, summarise, summary_names
-from space_robot_studies.campaign.storage import guarded
-from space_robot_studies.campaign.table import parquet
+from space_robot_studies.engine.hooks import StudyHooks
+from space_robot_studies.engine.journal import Journal, Row
+from space_robot_studies.engine.storage import guarded
+from space_robot_studies.engine.tasks import TIME_LIMIT, Lost, Task, Workers
+from space_robot_studies.engine.workers import check_workers, open_workers
 
 TABLE, SUMMARY = "table.parquet", "summary.json"
-MOST_WORKERS = 1024
-
-
-@dataclass(frozen=True, slots=True)
-class CampaignHooks:
-    """How a campaign talks to whoever started it.
-
-    Attributes:
-        on_ready: told when the workers are ready how many rows are there already.
-        on_row: told each time how many there are now.
-        stop: asked often; a reason ends the campaign.
-        warn: told before the first flight what the law warns of.
-    """
-
-    on_ready: Callable[[int], None] = lambda done: None
-    on_row: Callable[[int], None] = lambda done: None
-    stop: Callable[[], str | None] = lambda: None
-    warn: Callable[[str], None] = lambda warning: None
+# What table and summary are made with, at the very end.
+NEEDED = ("pyarrow", "scipy")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +42,8 @@ class CampaignResult:
         total: all cases.
         groups: summaries by point of the grid; empty unless completed.
         checks: the verdict, bound by bound.
-        wall_time: [s] of flying; start-up of the workers is not counted.
+        wall_time: [s] of the runs; start-up of the workers is not counted.
+        lost: cases among the finished ones that a resumed campaign runs again.
     """
 
     directory: Path
@@ -67,107 +53,138 @@ class CampaignResult:
     groups: tuple[Group, ...]
     checks: tuple[Check, ...]
     wall_time: float
+    lost: int = 0
 
     @property
     def passed(self) -> bool:
-        """Everything was flown and every bound holds."""
+        """Everything was run and every bound holds."""
         return self.end_reason == "completed" and all(check.passed for check in self.checks)
 
 
 def run_campaign(
-    campaign: Campaign,
-    directory: Path,
+    campaign: Campaign | str | Path,
+    directory: str | Path,
     *,
-    workers: int,
+    workers: int | None = None,
     scheduler: str | None = None,
     resume: bool = False,
     keep: Keep = "failed",
-    hooks: CampaignHooks | None = None,
+    time_limit: float = TIME_LIMIT,
+    hooks: StudyHooks | None = None,
 ) -> CampaignResult:
-    """Fly a campaign.
+    """Run a campaign.
 
     Args:
-        campaign: resolved, see ``load_campaign``.
+        campaign: a shipped name, a YAML file, or what ``load_campaign`` made of one.
         directory: new or empty, or to resume.
-        workers: number of local worker processes; unused with ``scheduler``.
-        scheduler: address of a Dask scheduler whose workers fly.
+        workers: number of local worker processes; None: one per core. Not with ``scheduler``.
+        scheduler: address of a Dask scheduler whose workers are used.
         resume: go on with what is in the directory.
         keep: whose bags to keep.
+        time_limit: [s] of CPU time of a run; ten times as much may elapse.
         hooks: progress and early end.
 
     Raises:
-        SpaceRobotError: the campaign cannot be flown as it is; nothing was written.
+        SpaceRobotError: the campaign cannot be run as it is; nothing was written.
     """
-    hooks = hooks or CampaignHooks()
-    journal.check_directory(directory, campaign, resume=resume)
-    firsts = check_cases(campaign)
-    # Points may differ in their robot, and so in their metrics.
-    metrics = list(dict.fromkeys(name for composition in firsts for name in _metrics(composition)))
-    check_expectations(campaign.expect, summary_names(metrics))
-    for warning in dict.fromkeys(warning for composition in firsts for warning in composition.review().warnings):
-        hooks.warn(warning)
-    with (
-        workers_at(scheduler, workers, make_case(campaign, 0).data) as client,
-        journal.open_journal(directory, campaign, versions()) as book,
-    ):
-        everything = campaign.cases
-        hooks.on_ready(len(book.rows))
-        began = perf_counter()
-        left = (make_case(campaign, index) for index in range(everything) if index not in book.rows)
-        reason = None
-        try:
-            for case, outcome in fly_cases(client, left, keep, hooks.stop):
-                _enter(book, case, outcome)
-                hooks.on_row(len(book.rows))
-        except SilenceError as error:
-            reason = str(error)
-        wall_time = perf_counter() - began
-        done = len(book.rows)
-        groups = _conclude(campaign, book, metrics) if done == everything else ()
-    reason = "completed" if groups else reason or hooks.stop() or "interrupted"
-    return CampaignResult(directory, reason, done, everything, groups, judge_groups(campaign, groups), wall_time)
+    hooks = hooks or StudyHooks()
+    check_workers(workers, scheduler, time_limit)
+    loaded = campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
+    checked = CheckedCampaign.of(loaded, Path(directory), resume=resume, stop=hooks.stop)
+    first = (warm, (make_case(loaded, 0).data,))
+    with open_workers(workers, time_limit=time_limit, scheduler=scheduler, warm=first, stop=hooks.stop) as pool:
+        return checked.run(pool, keep, time_limit, hooks)
 
 
-def check_options(workers: int | None, scheduler: str | None, keep: str) -> None:
-    """Refuse what no campaign can be run with.
+@dataclass(frozen=True, slots=True)
+class CheckedCampaign:
+    """A campaign that can be run in a directory as far as can be known before.
 
-    Raises:
-        SpecError: an option cannot be used.
+    Attributes:
+        campaign: resolved.
+        directory: where it goes.
+        metrics: names of the numbers of its runs.
+        warnings: what its laws warn of.
     """
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise SpecError("not a number of workers", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
-    if workers is not None and scheduler is not None:
-        raise SpecError("has workers of its own", key="--scheduler", value=scheduler, accepted="it or --workers")
-    if keep not in get_args(Keep):
-        raise SpecError("no such choice", key="--keep", value=keep, accepted=", ".join(get_args(Keep)))
 
+    campaign: Campaign
+    directory: Path
+    metrics: tuple[str, ...]
+    warnings: tuple[str, ...]
 
-def _enter(book: Journal, case: Case, outcome: Flown | Lost) -> None:
-    if isinstance(outcome, Lost):
-        columns = case.columns() | failure(outcome.reason)
-        book.append(Row(case.index, columns, lost=True, trace=outcome.detail), {})
-    else:
-        columns = case.columns() | dict(outcome.columns)
-        book.append(Row(case.index, columns, outcome.wall_time, trace=outcome.trace), outcome.bag)
+    @classmethod
+    def of(
+        cls, campaign: Campaign, directory: Path, *, resume: bool, stop: Callable[[], object] = lambda: None
+    ) -> CheckedCampaign:
+        """Check everything; see ``run_campaign``."""
+        if missing := [name for name in NEEDED if find_spec(name) is None]:
+            raise SpecError(f"a campaign needs {missing[0]}", accepted="install space-robot[campaign]")
+        check_directory(directory, campaign, resume=resume)
+        firsts = check_cases(campaign, stop)
+        # Points may differ in their robot, and so in their metrics.
+        metrics = tuple(dict.fromkeys(name for composition in firsts for name in _metrics(composition)))
+        check_expectations(campaign.expect, summary_names(metrics))
+        warnings = dict.fromkeys(warning for composition in firsts for warning in composition.review().warnings)
+        return cls(campaign, directory, metrics, tuple(warnings))
+
+    def run(self, pool: Workers, keep: Keep, time_limit: float, hooks: StudyHooks) -> CampaignResult:
+        """Run what is not finished yet, and summarise; see ``run_campaign``."""
+        for warning in self.warnings:
+            hooks.warn(warning)
+        total, groups, reason = self.campaign.cases, tuple[Group, ...](), ""
+        with open_campaign(self.directory, self.campaign, versions(), time_limit) as journal:
+            hooks.on_ready(len(journal.rows), total)
+            began = perf_counter()
+            try:
+                for task, outcome in pool.run(self._pending(journal, keep), hooks.stop):
+                    self._enter(journal, int(task.key), outcome)
+                    hooks.on_row(len(journal.rows))
+            except SilenceError as error:
+                reason = str(error)
+            wall_time = perf_counter() - began
+            done, lost = len(journal.rows), sum(not row.stands(time_limit) for row in journal.rows.values())
+            if done == total:
+                groups = self._conclude(journal)
+        reason = "completed" if groups else reason or hooks.stop() or "interrupted"
+        checks = judge_groups(self.campaign, groups)
+        return CampaignResult(self.directory, reason, done, total, groups, checks, wall_time, lost)
+
+    def _pending(self, journal: Journal, keep: Keep) -> Iterator[Task[CaseResult]]:
+        finished = set(journal.rows)
+        for index in range(self.campaign.cases):
+            if index not in finished:
+                data = make_case(self.campaign, index).data
+                yield Task(index, run_case, (data, f"{index:06d}", keep))
+
+    def _enter(self, journal: Journal, index: int, outcome: CaseResult | Lost) -> None:
+        columns = make_case(self.campaign, index).columns()
+        if isinstance(outcome, Lost):
+            journal.append(Row.of_lost(index, columns | failure(outcome.reason), outcome))
+        else:
+            row = Row(index, columns | dict(outcome.columns), outcome.wall_time, trace=outcome.trace)
+            journal.append(row, outcome.bag)
+
+    def _conclude(self, journal: Journal) -> tuple[Group, ...]:
+        """Write table and summary."""
+        # Only here: Arrow starts threads, and a process with one thread is forked in no time.
+        from space_robot_studies.campaign.table import parquet
+
+        campaign = self.campaign
+        rows = [journal.rows[index].columns for index in range(campaign.cases)]
+        groups = tuple(
+            summarise(rows[at :: campaign.points], campaign.point(at).labels, self.metrics, campaign.seed)
+            for at in range(campaign.points)
+        )
+        metadata = {"campaign": to_yaml(campaign), "versions": json.dumps(versions(), sort_keys=True)}
+        summary = {"title": campaign.title, "runs": campaign.runs, "groups": [group.to_dict() for group in groups]}
+        with guarded(journal.directory):
+            write_atomically(journal.directory / TABLE, parquet(rows, metadata))
+            write_atomically(journal.directory / SUMMARY, json.dumps(summary, indent=1, allow_nan=False) + "\n")
+        return groups
 
 
 def _metrics(composition: Composition) -> list[str]:
     return metric_names(composition.joint_names, base_translation=composition.nominal.base_mode == "free_flying")
-
-
-def _conclude(campaign: Campaign, book: Journal, metrics: Sequence[str]) -> tuple[Group, ...]:
-    """Write table and summary."""
-    rows = [book.rows[index].columns for index in range(campaign.cases)]
-    groups = tuple(
-        summarise(rows[at :: campaign.points], campaign.point(at).labels, metrics, campaign.seed)
-        for at in range(campaign.points)
-    )
-    metadata = {"campaign": journal.to_yaml(campaign), "versions": json.dumps(versions(), sort_keys=True)}
-    summary = {"title": campaign.title, "runs": campaign.runs, "groups": [group.to_dict() for group in groups]}
-    with guarded(book.directory):
-        write_atomically(book.directory / TABLE, parquet(rows, metadata))
-        write_atomically(book.directory / SUMMARY, (json.dumps(summary, indent=1, allow_nan=False) + "\n").encode())
-    return groups
 
 
 def judge_groups(campaign: Campaign, groups: Sequence[Group]) -> tuple[Check, ...]:

@@ -1,9 +1,9 @@
-"""Run k of a campaign: a pure function of the campaign and k, whoever asks and in whatever order."""
+"""Run k of a campaign: a pure function of the campaign and k, in whatever order they are made."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from math import ceil
@@ -21,7 +21,7 @@ from space_robot_studies.campaign.spec import Campaign
 # A double holds it, so every reader of JSON does.
 SEED_BITS = 53
 # It takes about 10 ms each.
-MOST_COMPOSED = 200
+MAX_COMPOSED = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,11 +83,15 @@ def make_case(campaign: Campaign, index: int) -> Case:
     return Case(index, run, point.labels, drawn, data["seed"], data)
 
 
-def check_cases(campaign: Campaign) -> list[Composition]:
-    """Refuse a campaign of which a run could not be flown, as far as that can be told without flying.
+def check_cases(campaign: Campaign, stop: Callable[[], object] = lambda: None) -> list[Composition]:
+    """Refuse a campaign with a case that cannot be run, as far as that can be known before.
 
     Every case must be a valid experiment. Composed are the first case of every point of the grid (of a large one, of
     points at equal distances) and those with the smallest and largest value of every drawn number.
+
+    Args:
+        campaign: resolved.
+        stop: asked between two cases; a reason ends the check early.
 
     Returns:
         The composed first cases.
@@ -97,15 +101,17 @@ def check_cases(campaign: Campaign) -> list[Composition]:
     """
     extremes: dict[str, list[tuple[float, int]]] = {}
     for index in range(campaign.cases):
+        if stop() is not None:
+            return []
         case = make_case(campaign, index)
         case.experiment()
         for key, value in case.columns().items():
             if isinstance(value, float) and index % campaign.points == 0:
                 extremes.setdefault(key, []).append((value, index))
-    first = range(0, campaign.points, ceil(campaign.points / MOST_COMPOSED))
+    first = range(0, campaign.points, ceil(campaign.points / MAX_COMPOSED))
     ends = {bound(found)[1] for found in extremes.values() for bound in (min, max)}
-    composed = {index: _compose(campaign, index) for index in sorted({*first, *ends})}
-    return [composed[index] for index in first]
+    composed = {index: _compose(campaign, index) for index in sorted({*first, *ends}) if stop() is None}
+    return [composed[index] for index in first if index in composed]
 
 
 def _compose(campaign: Campaign, index: int) -> Composition:
@@ -113,9 +119,12 @@ def _compose(campaign: Campaign, index: int) -> Composition:
     try:
         return compose(case.experiment())
     except SpaceRobotError as error:
-        said = {key: value for key, value in case.columns().items() if key not in ("index", "run")}
-        accepted = "dispersions and values that can be flown"
-        raise SpecError(f"cannot be flown: {error}", key=f"case {index}", value=said, accepted=accepted) from None
+        what = f"cannot be run: {error}"
+    except (Exception, SystemExit) as error:
+        # A custom law may raise anything while it is made.
+        what = f"cannot be run: {type(error).__name__}: {error}"
+    drawn = {key: value for key, value in case.columns().items() if key not in ("index", "run")}
+    raise SpecError(what, key=f"case {index}", value=drawn, accepted="dispersions and values that can be run")
 
 
 def _sample(campaign: Campaign, key: str, child: np.random.SeedSequence) -> Any:

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Literal
 
 from space_robot_bringup.public.calls import for_python, needing
 from space_robot_msgs_py.paths import StrPath
+from space_robot_studies.engine.tasks import TIME_LIMIT
 
 if TYPE_CHECKING:
-    from space_robot_studies.campaign.campaign import CampaignHooks, CampaignResult
+    from space_robot_studies.campaign.campaign import CampaignResult
+    from space_robot_studies.engine.hooks import StudyHooks
 
 
 @for_python
@@ -22,12 +24,10 @@ def campaign(
     scheduler: str | None = None,
     resume: bool = False,
     keep: Literal["failed", "all", "none"] = "failed",
-    hooks: CampaignHooks | None = None,
+    time_limit: float = TIME_LIMIT,
+    hooks: StudyHooks | None = None,
 ) -> CampaignResult:
     """Run a Monte Carlo campaign; the table does not depend on the number of workers.
-
-    Workers are processes that import the main module again: in a script, call this under
-    ``if __name__ == "__main__":``.
 
     Args:
         file: a shipped name such as ``fig08_dispersed``, or the path of a YAML file.
@@ -37,22 +37,27 @@ def campaign(
         scheduler: address of a Dask scheduler instead of local workers.
         resume: go on with what is in the directory.
         keep: whose bags to keep.
+        time_limit: [s] of CPU time of a run; ten times as much may elapse.
         hooks: progress and early end.
 
     Returns:
         Statistics by point of the grid, the verdict, and why the campaign ended.
 
     Raises:
-        SpaceRobotError: the campaign cannot be run as it is, or Dask is not installed; nothing was written.
+        SpaceRobotError: the campaign cannot be run as it is, or a package is not installed; nothing was written.
     """
     with needing("campaign", "campaign"):
-        from space_robot_studies.campaign.campaign import check_options, run_campaign
+        from space_robot_studies.campaign.campaign import run_campaign
     from space_robot_studies.campaign.spec import campaign_path, load_campaign
-    from space_robot_studies.reproduce.process_pool import cores
 
-    check_options(workers, scheduler, keep)
-    spec = load_campaign(file, runs)
     place = Path("runs") / campaign_path(file).stem if out is None else Path(out)
     return run_campaign(
-        spec, place, workers=workers or cores(), scheduler=scheduler, resume=resume, keep=keep, hooks=hooks
+        load_campaign(file, runs),
+        place,
+        workers=workers,
+        scheduler=scheduler,
+        resume=resume,
+        keep=keep,
+        time_limit=time_limit,
+        hooks=hooks,
     )

@@ -1,4 +1,4 @@
-"""One case of a campaign flown by itself, in any mode, and held against its row."""
+"""One case of a campaign run by itself, in any mode, and compared with its row."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.logs.logged import confined
 from space_robot_bringup.modes.run import RunResult
 from space_robot_studies.campaign.cases import make_case
-from space_robot_studies.campaign.journal import begun_campaign, finished_row
+from space_robot_studies.campaign.directory import begun_campaign, campaign_rows
 
 
 def case_experiment(directory: Path, index: int, *, allow_code: bool = False) -> Experiment:
@@ -31,8 +31,8 @@ def case_experiment(directory: Path, index: int, *, allow_code: bool = False) ->
 
 def differences(directory: Path, index: int, result: RunResult) -> list[str] | None:
     """What a run of a case shows otherwise than the campaign's row, number by number; None if there is no row yet."""
-    row = finished_row(directory, index)
-    if row is None or row.lost:
+    row = campaign_rows(directory)[1].get(index)
+    if row is None or row.lost or row.time_limit is not None:
         return None
     numbers = result.metrics.flat() if result.metrics is not None else {}
     found = {"end_reason": result.end_reason, "passed": result.passed, **numbers}

@@ -1,4 +1,4 @@
-"""One case flown: what a worker does, and nothing that depends on which worker it is."""
+"""One case run: what a worker does, and nothing that depends on which worker it is."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from space_robot_bringup.modes.run import judge_ticks
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.writer import MemorySink
+from space_robot_studies.engine.worker import bug
 
 Keep = Literal["failed", "all", "none"]
 
 
 @dataclass(frozen=True, slots=True)
-class Flown:
+class CaseResult:
     """What a worker hands back.
 
     Attributes:
@@ -38,8 +39,8 @@ class Flown:
     wall_time: float
 
 
-def fly_case(data: Mapping[str, Any], name: str, keep: Keep) -> Flown:
-    """Fly one experiment headless and judge it; whatever goes wrong in it is its result.
+def run_case(data: Mapping[str, Any], name: str, keep: Keep) -> CaseResult:
+    """Run one experiment headless and judge it; whatever goes wrong in it is its result.
 
     Args:
         data: the experiment.
@@ -58,11 +59,17 @@ def fly_case(data: Mapping[str, Any], name: str, keep: Keep) -> Flown:
         columns = _columns(composition, sink.end_reason or "", sink.ticks)
     except SpaceRobotError as error:
         columns = failure(f"error: {error}")
-    except Exception as error:
-        columns, trace = failure(f"bug: {type(error).__name__}: {error}"), traceback.format_exc()
+    except (Exception, SystemExit) as error:
+        columns, trace = failure(bug(error)), traceback.format_exc()
     wanted = keep == "all" or (keep == "failed" and not columns["passed"])
     bag = _bag(composition, sink, name) if wanted and composition is not None else {}
-    return Flown(columns, bag, trace, perf_counter() - began)
+    return CaseResult(columns, bag, trace, perf_counter() - began)
+
+
+def warm(data: Mapping[str, Any]) -> None:
+    """Load, or compile, what runs of an experiment need: plant and law are made."""
+    composition = compose(experiment_from(data, "first case"))
+    composition.plant().reset()
 
 
 def _columns(composition: Composition, reason: str, ticks: Sequence[Tick]) -> dict[str, Any]:

@@ -120,7 +120,7 @@ def read_campaign(name_or_path: StrPath, runs: int | None = None) -> Campaign:
 def campaign_path(name_or_path: StrPath) -> Path:
     """The file of a shipped campaign, or the given path."""
     message = "no such campaign file or shipped campaign"
-    return shipped_or_file(name_or_path, "campaigns", key="campaign", message=message)
+    return shipped_or_file(str(name_or_path), "campaigns", key="campaign", message=message)
 
 
 def _experiment(campaign: Campaign, path: Path) -> dict[str, Any]:

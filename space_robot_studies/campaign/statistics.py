@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from scipy import stats
 
 from space_robot_msgs_py.interfaces import Vector
 
@@ -40,6 +39,9 @@ class Rate:
     @classmethod
     def of(cls, count: int, n: int) -> Rate:
         """The rate of ``count`` in ``n`` runs."""
+        # Only here: SciPy takes a second to load.
+        from scipy import stats
+
         interval = stats.binomtest(count, n).proportion_ci(CONFIDENCE, method="exact")
         return cls(count, n, count / n, float(interval.low), float(interval.high))
 
@@ -153,6 +155,8 @@ def _interval_of_mean(values: Vector, seed: int) -> tuple[float, float]:
     mean = float(np.mean(values))
     if np.ptp(values) == 0.0:
         return mean, mean
+    from scipy import stats
+
     # BCa covers skewed numbers better; of a few nearly equal ones it may have none.
     for method in ("BCa", "percentile"):
         with warnings.catch_warnings(action="ignore"):

@@ -100,19 +100,19 @@ def law_key(campaign: Campaign, name: str) -> str:
     """The key by which a campaign varies its law.
 
     Raises:
-        SpecError: it varies no law, or its experiment says not what settled means.
+        SpecError: it varies no law, or its experiment does not define what settled means.
     """
     keys = [key for key in LAW_KEYS if key in campaign.vary]
     if len(keys) != 1:
         raise SpecError("compares no laws", key=f"{name} vary", accepted=f"one of: {', '.join(LAW_KEYS)}")
     if not make_case(campaign, 0).experiment().settling_bands:
-        accepted = "a band for every axis that is to settle, the same for all laws"
-        raise SpecError("are not said", key=f"{name} settling_bands", accepted=accepted)
+        accepted = "a band for every axis that has to settle, the same for all laws"
+        raise SpecError("are missing", key=f"{name} settling_bands", accepted=accepted)
     return keys[0]
 
 
-def compare(campaign: Campaign, name: str, rows: Sequence[Mapping[str, Any]]) -> Comparison:
-    """Put the rows of a finished campaign side by side.
+def side_by_side(campaign: Campaign, name: str, rows: Sequence[Mapping[str, Any]]) -> Comparison:
+    """The rows of a finished campaign by law, period and condition.
 
     Args:
         campaign: resolved.

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from space_robot_bringup.public.calls import for_python, needing
 from space_robot_msgs_py.paths import StrPath
+from space_robot_studies.engine.tasks import TIME_LIMIT
 
 if TYPE_CHECKING:
-    from space_robot_studies.campaign.campaign import CampaignHooks, CampaignResult
-    from space_robot_studies.campaign.spec import Campaign
-    from space_robot_studies.compare.run import ComparisonResult
+    from space_robot_studies.compare.compare import ComparisonResult
+    from space_robot_studies.engine.hooks import StudyHooks
 
 SHIPPED = ("compare_mini", "compare_servicer")
 
@@ -26,12 +25,10 @@ def compare(
     runs: int | None = None,
     workers: int | None = None,
     resume: bool = False,
-    hooks: CampaignHooks | None = None,
+    time_limit: float = TIME_LIMIT,
+    hooks: StudyHooks | None = None,
 ) -> ComparisonResult:
     """Run campaigns that vary the law, and put what each law did side by side.
-
-    Workers are processes that import the main module again: in a script, call this under
-    ``if __name__ == "__main__":``.
 
     Args:
         files: shipped names or paths of campaign files.
@@ -39,25 +36,24 @@ def compare(
         runs: per point of the grid; None: what the files say.
         workers: worker processes; None: one per core.
         resume: go on with what is in the directory.
-        hooks: progress and early end of each campaign.
+        time_limit: [s] of CPU time of a run; ten times as much may elapse.
+        hooks: progress and early end.
 
     Returns:
         Medians by law, period and condition, and what a control cycle of each law costs.
 
     Raises:
-        SpaceRobotError: a campaign cannot be run as it is, or Dask is not installed; nothing was written.
+        SpaceRobotError: a campaign cannot be run as it is, or a package is not installed; nothing was written.
     """
     with needing("compare", "campaign"):
-        from space_robot_studies.campaign.campaign import check_options, run_campaign
-        from space_robot_studies.compare.run import checked_campaigns, run_comparisons
-    from space_robot_studies.reproduce.process_pool import cores
-
-    check_options(workers, None, "none")
+        from space_robot_studies.compare.compare import compare as run_comparison
     listed = [files] if isinstance(files, str | os.PathLike) else files
-    directory = Path(out)
-
-    def run(campaign: Campaign, place: Path) -> CampaignResult:
-        going_on = resume and place.exists()
-        return run_campaign(campaign, place, workers=workers or cores(), resume=going_on, keep="none", hooks=hooks)
-
-    return run_comparisons(checked_campaigns(listed, directory, runs=runs, resume=resume), directory, run)
+    return run_comparison(
+        [os.fspath(file) for file in listed],
+        os.fspath(out),
+        runs=runs,
+        workers=workers,
+        resume=resume,
+        time_limit=time_limit,
+        hooks=hooks,
+    )

@@ -9,7 +9,7 @@ from space_robot_studies.compare.comparison import METRICS, Cell, Comparison
 
 LEGEND = (
     "Medians over the completed runs that have the number. (k/N): only k of N runs settled. "
-    "ended n: so many flights ended before their time; no number of theirs counts."
+    "ended n: so many runs ended before their time; no number of theirs counts."
 )
 COST = "median of one update [us], wall clock of this machine"
 
@@ -61,7 +61,7 @@ def markdown(comparisons: Sequence[Comparison], costs: Mapping[str, Mapping[str,
 
 
 def cost_text(value: float | None) -> str:
-    """A cost; a law that ended its flight at once has none."""
+    """A cost; a law that ended its run at once has none."""
     return "-" if value is None else f"{value:.0f}"
 
 

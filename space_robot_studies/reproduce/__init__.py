@@ -1,1 +1,1 @@
-"""A paper's figures, tables and claims, flown, drawn and judged from one manifest."""
+"""A paper's figures, tables and claims: run, drawn and judged from one manifest."""

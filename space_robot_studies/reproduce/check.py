@@ -1,4 +1,4 @@
-"""Everything a manifest can get wrong beyond its types, found before anything is flown."""
+"""Everything a manifest can get wrong beyond its types, found before the first run."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.engine.tasks import TIME_LIMIT
 from space_robot_studies.reproduce.claims import check_words
 from space_robot_studies.reproduce.expression import Formula
 from space_robot_studies.reproduce.manifest import Chart, Claim, Drawing, Figure, Grid, Panel, Table
@@ -15,25 +16,25 @@ from space_robot_studies.reproduce.plan import Plan, PlannedRun, Runs
 from space_robot_studies.reproduce.quantities import Asked, Measure, Number
 
 
-def check_plan(plan: Plan, figures: Iterable[str]) -> None:
-    """Compose every flight of these figures, of campaigns the first of each point, and look up every name they use.
+def check_plan(plan: Plan, figures: Iterable[str], time_limit: float = TIME_LIMIT) -> None:
+    """Compose every run of these figures, of campaigns the first of each point, and look up every name they use.
 
     Raises:
         SpecError: a run cannot be composed, or a group, metric, signal, measure or key is unknown; with the key path
             and the nearest names.
     """
-    vocabulary = Vocabulary()
-    for name in figures:
-        key = f"{plan.argument} figures.{name}"
-        for label, runs in plan.runs[name].items():
-            _learn(vocabulary, runs, f"{key}.runs.{label}")
-        _FigureCheck(plan.manifest.figures[name], plan.runs[name], vocabulary).check(key)
+    with Vocabulary(time_limit) as vocabulary:
+        for name in figures:
+            key = f"{plan.argument} figures.{name}"
+            for label, runs in plan.runs[name].items():
+                _learn(vocabulary, runs, f"{key}.runs.{label}")
+            _FigureCheck(plan.manifest.figures[name], plan.runs[name], vocabulary).check(key)
 
 
 def _learn(vocabulary: Vocabulary, runs: Sequence[PlannedRun], key: str) -> None:
     first = runs[0]
     for run in runs:
-        # The cases of one point differ in what is drawn; composing hundreds would take as long as flying some.
+        # The cases of one point differ in what is drawn; composing hundreds would take as long as running some.
         if run.values.get("run"):
             vocabulary.learn_case(run, first)
         else:
@@ -136,8 +137,8 @@ class _FigureCheck:
             return
         self._vocabulary.check_signal(number.signal or "", runs, f"{key}.signal")
         for run in runs:
-            if number.after > run.flight.experiment.duration:
-                accepted = f"less than the {run.flight.experiment.duration:g} s of {run.label}"
+            if number.after > run.distinct.experiment.duration:
+                accepted = f"less than the {run.distinct.experiment.duration:g} s of {run.label}"
                 raise SpecError("after the end of a run", key=f"{key}.after", value=number.after, accepted=accepted)
 
     def _of(self, groups: Sequence[str] | None, key: str) -> list[PlannedRun]:

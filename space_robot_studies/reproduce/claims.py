@@ -1,4 +1,4 @@
-"""Claims against what was flown: the measures, the condition, the verdict."""
+"""Claims against what was measured: the measures, the condition, the verdict."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from keyword import iskeyword
 from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.reproduce.expression import FUNCTIONS, Condition, Formula
 from space_robot_studies.reproduce.manifest import Claim, Figure
-from space_robot_studies.reproduce.measures import FlownRun, Measured, paired, reduce, select
+from space_robot_studies.reproduce.measures import FinishedRun, Measured, paired, reduce, select
 
 UNDECIDED = "undecided"
 # What ``found`` may name beside the measures: number of runs, and their seeds.
@@ -73,18 +73,18 @@ def check_words(claim: Claim, key: str) -> None:
         raise SpecError(f"not a format string: {error}", key=f"{key}.found", value=claim.found) from None
 
 
-def judge(claim: Claim, figure: Figure, runs: Sequence[FlownRun]) -> Judgement:
-    """Measure a claim on the flown runs of its figure and decide it."""
+def judge(claim: Claim, figure: Figure, runs: Sequence[FinishedRun]) -> Judgement:
+    """Measure a claim on the finished runs of its figure and decide it."""
     if claim.verdict == "not checkable":
         return Judgement(claim, claim.verdict, "", {}, 0, ())
     measured: dict[str, Measured] = {}
     used: dict[str, tuple[str, int]] = {}
-    flown = {run.label: (run, flight) for run, flight in runs}
+    finished = {run.label: (run, data) for run, data in runs}
     for name, measure in claim.measures.items():
-        chosen = [flown[run.label] for run in select(measure, [run for run, _ in runs])]
+        chosen = [finished[run.label] for run in select(measure, [run for run, _ in runs])]
         chosen = paired(measure, chosen, runs, figure.diverged)
         measured[name] = reduce(measure, chosen, figure.diverged)
-        used |= {run.flight.name: run.source for run, _ in chosen}
+        used |= {run.distinct.name: run.source for run, _ in chosen}
     seeds, draws = (tuple(sorted({n for what, n in used.values() if what == kind})) for kind in ("seed", "draw"))
     verdict, found = _decide(claim, measured, len(used), seeds)
     return Judgement(claim, verdict, found, measured, len(used), seeds, draws)

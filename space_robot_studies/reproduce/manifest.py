@@ -13,16 +13,16 @@ from space_robot_studies.reproduce.stability_map import StabilityMap
 
 Verdict = Literal["holds", "does not hold", "not checkable"]
 Scale = Literal["linear", "log", "symlog"]
-# More bags than this fill a disk sooner than anybody looks at them.
-KEEP_ALL_UP_TO = 40
-MOST_RUNS = 10_000
+# More bags than this fill a disk sooner than they are looked at.
+MAX_KEPT = 40
+MAX_RUNS = 10_000
 
 
 class SeedRange(Strict):
     """Many seeds in a row."""
 
     first: NonNegativeInt = 0
-    count: Annotated[int, Field(ge=1, le=MOST_RUNS)]
+    count: Annotated[int, Field(ge=1, le=MAX_RUNS)]
 
 
 class RunGroup(Strict):
@@ -72,8 +72,8 @@ class RunGroup(Strict):
     @model_validator(mode="after")
     def _countable(self) -> Self:
         runs = prod(map(len, self.sweep.values())) * max(1, len(self.seed_list))
-        if runs > MOST_RUNS:
-            raise ValueError(f"at most {MOST_RUNS} runs, not {runs}")
+        if runs > MAX_RUNS:
+            raise ValueError(f"at most {MAX_RUNS} runs, not {runs}")
         return self
 
 
@@ -161,7 +161,7 @@ class Table(Strict):
 
 
 class Timing(Strict):
-    """How long one control cycle of the law takes on this machine, over the states and references of a flown run."""
+    """How long one control cycle of the law takes on this machine, over the states and references of a run."""
 
     of: Texts = Field(description="groups of one run each")
     repeats: Annotated[int, Field(ge=10, le=10_000_000)] = 10_000
@@ -190,7 +190,7 @@ class Figure(Strict):
     timing: Timing | None = None
     diverged: Bounds = Field(default_factory=Bounds)
     keep: Literal["all", "failed", "none"] | None = Field(
-        default=None, description=f"which bags stay; default: all of up to {KEEP_ALL_UP_TO} runs, else failed"
+        default=None, description=f"which bags stay; default: all of up to {MAX_KEPT} runs, else failed"
     )
     claims: tuple[Claim, ...] = ()
 

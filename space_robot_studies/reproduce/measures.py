@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,11 +11,8 @@ from space_robot_msgs_py.interfaces import Vector
 from space_robot_studies.reproduce.manifest import Bounds
 from space_robot_studies.reproduce.plan import PlannedRun
 from space_robot_studies.reproduce.quantities import Measure, Number, Partners, Quantity
+from space_robot_studies.reproduce.run_data import RunData
 
-# Metrics that every run has, also one that failed.
-OUTCOMES = ("completed", "diverged")
-# Wall time of one update of the law [us], of the groups of a timing table: of this machine, so only its order counts.
-CYCLE_TIMES = ("cycle_time.mean", "cycle_time.median", "cycle_time.p99")
 TAKES: dict[str, Callable[[Vector], float]] = {
     "final": lambda x: float(x[-1]),
     "max": lambda x: float(x.max()),
@@ -36,57 +33,7 @@ REDUCTIONS: dict[str, Callable[[Vector], float]] = {
 OF_NONE = ("sum", "count")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Flight:
-    """What came back from a run.
-
-    Attributes:
-        end_reason: ``completed``, or why not.
-        broken: bounds of the plant itself that it violated.
-        metrics: by name; empty where nothing could be judged.
-        largest: the largest errors of attitude and joints [deg] and position [m].
-        taken: what was asked of its signals; None where the window holds no tick.
-        time: (K,) of the ticks that are drawn [s].
-        curves: (K,) signals that are drawn, by name.
-        warnings: what the law said before the flight.
-        bag: its log was kept.
-        cycle_times: by the names of CYCLE_TIMES, where they were asked for.
-    """
-
-    end_reason: str
-    broken: tuple[str, ...] = ()
-    metrics: dict[str, float | None] = field(default_factory=dict)
-    largest: dict[str, float] = field(default_factory=dict)
-    taken: dict[Quantity, float | None] = field(default_factory=dict)
-    time: Vector = field(default_factory=lambda: np.empty(0))
-    curves: dict[str, Vector] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
-    bag: bool = False
-    cycle_times: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def completed(self) -> bool:
-        """It flew to its end and the plant kept its own bounds; only then its numbers count."""
-        return self.end_reason == "completed" and bool(self.metrics) and not self.broken
-
-    def diverged(self, bounds: Bounds) -> bool:
-        """It did not complete, or an error left the bounds."""
-        return not self.completed or any(value > getattr(bounds, name) for name, value in self.largest.items())
-
-    def number(self, quantity: Quantity, bounds: Bounds) -> float | None:
-        """The number; None if this run has none, and of a run that did not complete only its outcome."""
-        if quantity.metric == "completed":
-            return float(self.completed)
-        if quantity.metric == "diverged":
-            return float(self.diverged(bounds))
-        if not self.completed:
-            return None
-        if quantity.metric in CYCLE_TIMES:
-            return self.cycle_times.get(quantity.metric)
-        return self.metrics[quantity.metric] if quantity.metric else self.taken[quantity]
-
-
-FlownRun = tuple[PlannedRun, Flight]
+FinishedRun = tuple[PlannedRun, RunData]
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,22 +85,24 @@ def select(measure: Measure, runs: Sequence[PlannedRun]) -> list[PlannedRun]:
     ]
 
 
-def paired(measure: Measure, chosen: Sequence[FlownRun], runs: Sequence[FlownRun], bounds: Bounds) -> list[FlownRun]:
+def paired(
+    measure: Measure, chosen: Sequence[FinishedRun], runs: Sequence[FinishedRun], bounds: Bounds
+) -> list[FinishedRun]:
     """Those of the chosen runs that ``only_if`` leaves: every group it names has partners, and each has the number."""
     if measure.only_if is None:
         return list(chosen)
     return [pair for pair in chosen if _all_have(measure.only_if, pair[0].seed, runs, bounds)]
 
 
-def _all_have(asked: Partners, seed: int, runs: Sequence[FlownRun], bounds: Bounds) -> bool:
-    partners = [(run.group, flight) for run, flight in runs if run.group in asked.groups and run.seed == seed]
+def _all_have(asked: Partners, seed: int, runs: Sequence[FinishedRun], bounds: Bounds) -> bool:
+    partners = [(run.group, data) for run, data in runs if run.group in asked.groups and run.seed == seed]
     everywhere = {group for group, _ in partners} == set(asked.groups)
-    return everywhere and all(flight.number(asked.quantity, bounds) is not None for _, flight in partners)
+    return everywhere and all(data.number(asked.quantity, bounds) is not None for _, data in partners)
 
 
-def reduce(number: Number, runs: Sequence[FlownRun], bounds: Bounds) -> Measured:
+def reduce(number: Number, runs: Sequence[FinishedRun], bounds: Bounds) -> Measured:
     """The number over these runs; a run without it is refused, left out or replaced, as ``missing`` says."""
-    found = [(run.label, flight.number(number.quantity, bounds)) for run, flight in runs]
+    found = [(run.label, data.number(number.quantity, bounds)) for run, data in runs]
     without = tuple(label for label, value in found if value is None)
     if without and number.missing == "refuse":
         more = f" and {len(without) - 1} more" if len(without) > 1 else ""

@@ -1,4 +1,4 @@
-"""From a manifest to its flights: groups expanded, equal runs flown once, each with the command that flies it."""
+"""From a manifest to its runs: groups expanded, equal runs done once, each with the command for it alone."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from space_robot_msgs_py.paths import StrPath
 from space_robot_studies.reproduce.campaign_runs import campaign_cases
 from space_robot_studies.reproduce.manifest import Manifest, RunGroup
 
-LONGEST_NAME = 80
+MAX_NAME = 80
 
 
 @dataclass(frozen=True, slots=True)
-class PlannedFlight:
-    """A run that is flown once, however many figures show it.
+class DistinctRun:
+    """A run that is done once, however many figures show it.
 
     Attributes:
         name: of its bag.
@@ -42,35 +42,35 @@ class PlannedFlight:
 
     @property
     def command(self) -> str:
-        """The command that flies this run alone, to the same bits."""
+        """The command for this run alone, to the same bits."""
         settings = [word for override in self.overrides for word in ("--set", override)]
         return shlex.join(["space-robot", "run", self.argument, *settings])
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedRun:
-    """A flight as one figure shows it.
+    """A run as one figure shows it.
 
     Attributes:
         label: group and what varies in it.
         group: of the figure.
         values: what the group sets, by dotted key; ``seed`` too, and ``run`` of a campaign.
-        flight: the flight.
+        distinct: the run, which other figures may show, too.
     """
 
     label: str
     group: str
     values: Mapping[str, Any]
-    flight: PlannedFlight
+    distinct: DistinctRun
 
     @property
     def seed(self) -> int:
         """Runs of the same seed are partners: in campaigns of one seed they have the same draws."""
-        return self.flight.experiment.seed
+        return self.distinct.experiment.seed
 
     @property
     def source(self) -> tuple[str, int]:
-        """What is told of where its chances come from: its seed, or the number of its run in a campaign."""
+        """Where its draws come from: its seed, or the number of its run in a campaign."""
         return ("draw", self.values["run"]) if "run" in self.values else ("seed", self.seed)
 
 
@@ -79,7 +79,7 @@ Runs = dict[str, tuple[PlannedRun, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is to be flown for which figure.
+    """What is to be run for which figure.
 
     Attributes:
         name: of the paper: file name of its manifest.
@@ -93,10 +93,10 @@ class Plan:
     manifest: Manifest
     runs: dict[str, Runs]
 
-    def flights(self, figures: Iterable[str]) -> dict[str, PlannedFlight]:
-        """The flights these figures take, by name, in the order of the manifest."""
+    def distinct_runs(self, figures: Iterable[str]) -> dict[str, DistinctRun]:
+        """The runs these figures take, by name, in the order of the manifest."""
         runs = (run for figure in figures for group in self.runs[figure].values() for run in group)
-        return {run.flight.name: run.flight for run in runs}
+        return {run.distinct.name: run.distinct for run in runs}
 
 
 def load_plan(paper: StrPath) -> Plan:
@@ -168,11 +168,11 @@ def _check_pictures(manifest: Manifest, where: str) -> None:
 
 
 class _Planner:
-    """Gives each distinct experiment one name, whatever figures are flown."""
+    """Gives each distinct experiment one name, whatever figures are chosen."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._known: dict[str, PlannedFlight] = {}
+        self._known: dict[str, DistinctRun] = {}
         self._names: set[str] = set()
         # Reading a file takes longer than everything else about a run.
         self._contents: dict[str, dict[str, Any]] = {}
@@ -191,22 +191,22 @@ class _Planner:
             varied = dict(zip(axes, point, strict=True))
             values = {**group.set, **varied}
             words = [Path(argument).stem, *_words(values)]
-            flight = self._flight(argument, values, words, key)
-            seed = {"seed": flight.experiment.seed}
+            distinct = self._distinct(argument, values, words, key)
+            seed = {"seed": distinct.experiment.seed}
             told_apart = {path: value for path, value in varied.items() if len(axes[path]) > 1}
-            runs.append(PlannedRun(run_label(label, told_apart), label, {**seed, **values}, flight))
+            runs.append(PlannedRun(run_label(label, told_apart), label, {**seed, **values}, distinct))
         return tuple(runs)
 
     def _cases(self, label: str, group: RunGroup, key: str) -> Iterator[PlannedRun]:
         argument, cases = campaign_cases(group, self._folder, key)
         for case in cases:
             words = [Path(group.campaign).stem, *_words({**case.labels, **group.set}), f"{case.run:03d}"]
-            flight = self._flight(argument, {**case.values, **group.set}, words, key)
+            distinct = self._distinct(argument, {**case.values, **group.set}, words, key)
             varied = {name: value for name, value in case.labels.items() if name not in group.at}
             values = {**case.values, **group.set, **case.labels, "run": case.run}
-            yield PlannedRun(run_label(label, {**varied, "run": case.run}), label, values, flight)
+            yield PlannedRun(run_label(label, {**varied, "run": case.run}), label, values, distinct)
 
-    def _flight(self, argument: str, values: Mapping[str, Any], words: Sequence[str], key: str) -> PlannedFlight:
+    def _distinct(self, argument: str, values: Mapping[str, Any], words: Sequence[str], key: str) -> DistinctRun:
         # JSON is YAML: the value reads back as it stands in the manifest (a date as its text).
         overrides = tuple(f"{path}={json.dumps(value, default=str)}" for path, value in values.items())
         try:
@@ -217,14 +217,14 @@ class _Planner:
             raise SpecError(str(error), key=key) from None
         content = experiment.model_dump_json()
         if content not in self._known:
-            flight_name = self._name(words, content)
-            self._known[content] = PlannedFlight(flight_name, argument, overrides, experiment)
+            name = self._name(words, content)
+            self._known[content] = DistinctRun(name, argument, overrides, experiment)
         return self._known[content]
 
     def _name(self, words: Sequence[str], content: str) -> str:
         name = re.sub(r"[^\w.+-]+", "-", "_".join(words))
-        if len(name) > LONGEST_NAME or name in self._names:
-            name = f"{name[:LONGEST_NAME]}_{hashlib.sha256(content.encode()).hexdigest()[:8]}"
+        if len(name) > MAX_NAME or name in self._names:
+            name = f"{name[:MAX_NAME]}_{hashlib.sha256(content.encode()).hexdigest()[:8]}"
         self._names.add(name)
         return name
 

@@ -1,190 +1,246 @@
-"""A paper reproduced: check everything, fly everything, judge the claims."""
+"""A paper reproduced: everything checked, everything run, the claims judged."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
+from space_robot_bringup.compose.composition import compose, versions
+from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_description.load import load_robot
+from space_robot_msgs_py.errors import InputFileError, SilenceError, SpecError
+from space_robot_studies.campaign.directory import CAMPAIGN
+from space_robot_studies.engine.hooks import StudyHooks
+from space_robot_studies.engine.journal import ROWS, RUNS, Journal, Row, bag_path, locked, open_journal
+from space_robot_studies.engine.storage import guarded
+from space_robot_studies.engine.tasks import TIME_LIMIT, Lost, Stop, Task, Workers
+from space_robot_studies.engine.workers import check_workers, open_workers
 from space_robot_studies.reproduce.check import check_plan
 from space_robot_studies.reproduce.claims import Judgement, judge
-from space_robot_studies.reproduce.manifest import KEEP_ALL_UP_TO, Figure
-from space_robot_studies.reproduce.measures import Flight, FlownRun, select
-from space_robot_studies.reproduce.plan import Plan, PlannedFlight, PlannedRun
-from space_robot_studies.reproduce.process_pool import Task, Workers
-from space_robot_studies.reproduce.quantities import Asked, Quantity
-from space_robot_studies.reproduce.run import Job, Keep, fly
+from space_robot_studies.reproduce.jobs import job_of
+from space_robot_studies.reproduce.manifest import Figure
+from space_robot_studies.reproduce.measures import FinishedRun
+from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
+from space_robot_studies.reproduce.run import Job, run_job
+from space_robot_studies.reproduce.run_data import RunData
 from space_robot_studies.reproduce.timing import CycleTimes, time_law
 
-RUNS, CLAIMS = "runs", "claims.json"
-MOST_WORKERS = 256
+CLAIMS = "claims.json"
 
 
 @dataclass(frozen=True, slots=True)
-class FlownFigure:
+class FigureResult:
     """A figure and everything known about it.
 
     Attributes:
         name: number or name.
         figure: from the manifest.
         runs: in order.
-        times: cycle times by group, where asked for.
+        times: cycle times by group, where the figure has a timing table.
         judgements: of the claims, in order.
     """
 
     name: str
     figure: Figure
-    runs: tuple[FlownRun, ...]
+    runs: tuple[FinishedRun, ...]
     times: dict[str, CycleTimes]
     judgements: tuple[Judgement, ...]
 
     @property
-    def failures(self) -> list[FlownRun]:
-        """Runs that failed though the manifest does not expect it."""
+    def failures(self) -> list[FinishedRun]:
+        """Runs that failed though the manifest does not expect it; a lost run is expected by none."""
         return [
-            (run, flight) for run, flight in self.runs if not (flight.completed or self.figure.runs[run.group].may_fail)
+            (run, data)
+            for run, data in self.runs
+            if not data.completed and (data.lost or not self.figure.runs[run.group].may_fail)
         ]
 
 
-def check_workers(workers: int | None) -> None:
-    """Refuse a number of worker processes that cannot be; None is one per core.
+@dataclass(frozen=True, slots=True)
+class Reproduction:
+    """What a reproduction came to.
+
+    Attributes:
+        plan: of the paper.
+        directory: where its bags and rows are.
+        end_reason: ``completed``, ``interrupted``, ``terminated`` or why it could not go on.
+        figures: the chosen ones, in order; empty unless completed.
+    """
+
+    plan: Plan
+    directory: Path
+    end_reason: str
+    figures: tuple[FigureResult, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Every verdict is the documented one, and no run failed that should not."""
+        return self.end_reason == "completed" and passed(self.figures)
+
+
+def passed(figures: Sequence[FigureResult]) -> bool:
+    """Every verdict of these figures is the documented one, and no run failed that should not."""
+    return not any(figure.failures or any(one.changed for one in figure.judgements) for figure in figures)
+
+
+def reproduce(
+    paper: Plan | str | Path,
+    directory: str | Path,
+    *,
+    figures: Sequence[str] = (),
+    workers: int | None = None,
+    resume: bool = False,
+    time_limit: float = TIME_LIMIT,
+    hooks: StudyHooks | None = None,
+) -> Reproduction:
+    """Run the figures of a paper and judge its claims; the result does not depend on the number of workers.
+
+    Args:
+        paper: a shipped name, a manifest file, or what ``load_plan`` made of one.
+        directory: new, empty, or of an earlier reproduction, whose runs are replaced.
+        figures: which; none: all.
+        workers: number of processes; None: one per core.
+        resume: keep the finished runs in the directory that are still the same.
+        time_limit: [s] of CPU time of a run; ten times as much may elapse.
+        hooks: progress and early end.
 
     Raises:
-        SpecError: it cannot.
+        SpaceRobotError: the manifest or an option is wrong, and nothing was written; or a bag cannot be written.
     """
-    if workers is not None and not 1 <= workers <= MOST_WORKERS:
-        raise SpecError("not a usable number", key="--workers", value=workers, accepted=f"1 to {MOST_WORKERS}")
+    hooks, place = hooks or StudyHooks(), Path(directory)
+    check_workers(workers, None, time_limit)
+    plan = paper if isinstance(paper, Plan) else load_plan(paper)
+    chosen = choose_figures(plan.manifest, figures)
+    check_plan(plan, chosen, time_limit)
+    _check_directory(place)
+    first = next(iter(plan.distinct_runs(chosen).values())).experiment
+    with (
+        open_workers(workers, time_limit=time_limit, warm=(warm, (first,)), stop=hooks.stop) as pool,
+        locked(place),
+    ):
+        with guarded(place):
+            if not resume:
+                (place / ROWS).unlink(missing_ok=True)
+            (place / RUNS).mkdir(exist_ok=True)
+        with open_journal(place, versions(), time_limit) as journal:
+            return _Study(plan, chosen, journal, pool, hooks.stop).result(hooks)
 
 
-def prepare(plan: Plan, figures: Sequence[str], directory: Path) -> None:
-    """Everything that can be refused before a flight.
+def warm(experiment: Experiment) -> None:
+    """Load, or compile, what runs of an experiment need: plant and law are made."""
+    compose(experiment).plant().reset()
 
-    Raises:
-        SpecError: see ``check_plan``.
-        InputFileError: the directory holds something else.
-    """
-    check_plan(plan, figures)
+
+def _check_directory(directory: Path) -> None:
     try:
+        if (directory / CAMPAIGN).exists():
+            accepted = "a directory, new, empty or of an earlier reproduction"
+            raise SpecError("holds a campaign", key="--out", value=str(directory), accepted=accepted)
         ours = any((directory / name).exists() for name in (RUNS, CLAIMS))
         free = not directory.exists() or (directory.is_dir() and (ours or not any(directory.iterdir())))
-    except OSError as error:
-        raise InputFileError(f"cannot be read: {error.strerror}", key="--out", value=str(directory)) from None
+    except SpecError:
+        raise
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputFileError(f"cannot be read: {reason}", key="--out", value=str(directory)) from None
     if not free:
         accepted = "a directory, new, empty or of an earlier reproduction"
         raise InputFileError("holds something else", key="--out", value=str(directory), accepted=accepted)
 
 
-def reproduce(
-    plan: Plan,
-    figures: Sequence[str],
-    directory: Path,
-    *,
-    workers: int,
-    on_done: Callable[[int], None] = lambda done: None,
-    stop: Callable[[], str | None] = lambda: None,
-) -> list[FlownFigure] | None:
-    """Fly the figures and judge their claims; the result does not depend on the number of workers.
+class _Study:
+    """The runs of the chosen figures, those of the journal and those to be done."""
 
-    Args:
-        plan: of the paper, prepared.
-        figures: which, in order.
-        directory: bags go to ``runs/`` in it.
-        workers: number of processes.
-        on_done: told how many flights are done.
-        stop: asked often; a reason ends everything.
+    def __init__(self, plan: Plan, figures: Sequence[str], journal: Journal, pool: Workers, stop: Stop) -> None:
+        self._plan, self._figures, self._journal, self._pool, self._stop = plan, figures, journal, pool, stop
+        self._distinct = plan.distinct_runs(figures)
+        self._jobs = {name: job_of(plan, figures, run, journal.directory) for name, run in self._distinct.items()}
+        robots: dict[str, Mapping[str, Any]] = {}
+        self._digests = {
+            name: self._jobs[name].digest(run.experiment, _robot(run.experiment, robots))
+            for name, run in self._distinct.items()
+        }
 
-    Returns:
-        The figures; None if there was a reason to stop.
+    def result(self, hooks: StudyHooks) -> Reproduction:
+        """Do what is not finished yet, and judge."""
+        data = {name: found for name in self._distinct if (found := self._finished(name)) is not None}
+        hooks.on_ready(len(data), len(self._distinct))
+        reason = ""
+        try:
+            for task, outcome in self._pool.run(self._pending(set(data)), self._stop):
+                data[str(task.key)] = self._enter(str(task.key), outcome)
+                hooks.on_row(len(data))
+            if len(data) == len(self._distinct):
+                # One after the other: neighbours would share the cores and the caches.
+                times = {name: self._time(name, data) for name in self._figures}
+        except SilenceError as error:
+            reason = str(error)
+        reason = reason or self._stop() or ("completed" if len(data) == len(self._distinct) else "interrupted")
+        if reason != "completed":
+            return Reproduction(self._plan, self._journal.directory, reason)
+        judged = tuple(_figure(self._plan, name, data, times[name]) for name in self._figures)
+        return Reproduction(self._plan, self._journal.directory, reason, judged)
 
-    Raises:
-        SpaceRobotError: a log cannot be written, or a worker died.
-    """
-    planned = plan.flights(figures)
-    try:
-        (directory / RUNS).mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        raise LogError(f"cannot be made: {error}", key="--out", value=str(directory)) from None
-    jobs = [_job(plan, figures, flight, directory) for flight in planned.values()]
-    with Workers(min(workers, len(jobs)), stop) as pool:
-        flown = pool.run([(fly, (job,)) for job in jobs], on_done)
-        if flown is None:
+    def _finished(self, name: str) -> RunData | None:
+        """What the journal has of a run, if it is still the same one and its bag is where it was."""
+        row = self._journal.rows.get(name)
+        if row is None or row.columns.get("digest") != self._digests[name]:
             return None
-        flights = dict(zip(planned, flown, strict=True))
-        times: dict[str, dict[str, CycleTimes]] = {}
-        for name in figures:
-            # One after the other: neighbours would share the cores and the caches.
-            found = _time(plan, name, flights, directory, pool)
-            if found is None:
-                return None
-            times[name] = found
-    return [_figure(plan, name, flights, times[name]) for name in figures]
+        try:
+            data = RunData.from_columns(row.columns)
+        except (KeyError, TypeError, ValueError):
+            return None
+        return data if not data.bag or bag_path(self._journal.directory, name).is_dir() else None
+
+    def _pending(self, finished: set[str]) -> Iterator[Task[RunData]]:
+        for name, job in self._jobs.items():
+            if name not in finished:
+                yield Task(name, run_job, (job,))
+
+    def _enter(self, name: str, outcome: RunData | Lost) -> RunData:
+        digest = {"digest": self._digests[name]}
+        if isinstance(outcome, Lost):
+            if outcome.error is not None:
+                raise outcome.error
+            data = RunData(outcome.reason, lost=True)
+            self._journal.append(Row.of_lost(name, digest | data.to_columns(), outcome))
+            return data
+        self._journal.append(Row(name, digest | outcome.to_columns()))
+        return outcome
+
+    def _time(self, figure: str, data: Mapping[str, RunData]) -> dict[str, CycleTimes]:
+        timing = self._plan.manifest.figures[figure].timing
+        times: dict[str, CycleTimes] = {}
+        for group in timing.of if timing else ():
+            (run,) = self._plan.runs[figure][group]
+            if timing is None or not data[run.distinct.name].completed:
+                continue
+            job: Job = self._jobs[run.distinct.name]
+            task = Task(group, time_law, (job.argument, job.overrides, job.directory, timing.repeats))
+            for _, outcome in self._pool.run([task], self._stop):
+                if isinstance(outcome, CycleTimes):
+                    times[group] = outcome
+        return times
 
 
-def _figure(plan: Plan, name: str, flights: dict[str, Flight], times: dict[str, CycleTimes]) -> FlownFigure:
+def _robot(experiment: Experiment, known: dict[str, Mapping[str, Any]]) -> Mapping[str, Any]:
+    """Content of the robot file; reading it takes longer than everything else about a run."""
+    if not isinstance(experiment.robot, str):
+        return {}
+    if experiment.robot not in known:
+        known[experiment.robot] = load_robot(experiment.robot).resolved
+    return known[experiment.robot]
+
+
+def _figure(plan: Plan, name: str, data: Mapping[str, RunData], times: dict[str, CycleTimes]) -> FigureResult:
     figure = plan.manifest.figures[name]
     runs = []
     for run in (run for group in plan.runs[name].values() for run in group):
-        flight = flights[run.flight.name]
+        one = data[run.distinct.name]
         if run.group in times:
-            flight = replace(flight, cycle_times=times[run.group].metrics())
-        runs.append((run, flight))
+            one = replace(one, cycle_times=times[run.group].metrics())
+        runs.append((run, one))
     judgements = tuple(judge(claim, figure, runs) for claim in figure.claims)
-    return FlownFigure(name, figure, tuple(runs), times, judgements)
-
-
-def _job(plan: Plan, figures: Sequence[str], flight: PlannedFlight, directory: Path) -> Job:
-    quantities: dict[Quantity, None] = {}
-    curves: dict[str, None] = {}
-    keeps: set[Keep] = set()
-    for name in figures:
-        figure = plan.manifest.figures[name]
-        runs = [run for group in plan.runs[name].values() for run in group]
-        mine = {run.group for run in runs if run.flight is flight}
-        if not mine:
-            continue
-        for panel in figure.panels:
-            if mine & set(panel.of or mine):
-                curves |= dict.fromkeys(panel.signals)
-        quantities |= {number.quantity: None for number in _numbers(figure, runs, flight) if number.signal}
-        timed = figure.timing is not None and mine & set(figure.timing.of)
-        keeps.add("all" if timed else figure.keep or ("all" if len(runs) <= KEEP_ALL_UP_TO else "failed"))
-    keep: Keep = "all" if "all" in keeps else "failed" if "failed" in keeps else "none"
-    place = (directory / RUNS / flight.name).resolve()
-    return Job(flight.argument, flight.overrides, place, tuple(quantities), tuple(curves), keep)
-
-
-def _numbers(figure: Figure, runs: Sequence[PlannedRun], flight: PlannedFlight) -> Iterator[Asked]:
-    """Everything a figure asks of a flight."""
-    mine = {run.group for run in runs if run.flight is flight}
-    for chart in (*figure.charts, *figure.grids):
-        if mine & set(chart.of or mine):
-            yield chart.measure
-    for table in figure.tables:
-        if mine & set(table.of or mine):
-            yield from table.columns.values()
-    for claim in figure.claims:
-        for measure in claim.measures.values():
-            if any(run.flight is flight for run in select(measure, runs)):
-                yield measure
-            if measure.only_if is not None and mine & set(measure.only_if.groups):
-                yield measure.only_if
-
-
-def _time(
-    plan: Plan, name: str, flights: dict[str, Flight], directory: Path, pool: Workers
-) -> dict[str, CycleTimes] | None:
-    timing = plan.manifest.figures[name].timing
-    times: dict[str, CycleTimes] = {}
-    for group in timing.of if timing else ():
-        (run,) = plan.runs[name][group]
-        if timing is None or not flights[run.flight.name].completed:
-            continue
-        log = (directory / RUNS / run.flight.name).resolve()
-        task: Task[CycleTimes | None] = (time_law, (run.flight.argument, run.flight.overrides, log, timing.repeats))
-        result = pool.run([task], lambda done: None)
-        if result is None:
-            return None
-        if result[0] is not None:
-            times[group] = result[0]
-    return times
+    return FigureResult(name, figure, tuple(runs), times, judgements)

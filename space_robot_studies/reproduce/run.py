@@ -1,25 +1,28 @@
-"""One run in a worker: fly, judge, and bring back only the numbers that were asked for."""
+"""One run in a worker: done, judged, and only the numbers that figures need brought back."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from space_robot_bringup.compose.composition import Composition, compose
-from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.experiment.experiment import Experiment, load_experiment
 from space_robot_bringup.judge.verdict import PLANT_BOUNDS
 from space_robot_bringup.modes.headless import fly_in_memory, write_bag
-from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.run import judge_ticks
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
 from space_robot_msgs_py.log.arrays import arrays_of
 from space_robot_msgs_py.log.writer import MemorySink
-from space_robot_studies.reproduce.measures import Flight, take
-from space_robot_studies.reproduce.process_pool import stop_reason
+from space_robot_studies.engine.worker import bug
+from space_robot_studies.reproduce.measures import take
 from space_robot_studies.reproduce.quantities import Quantity
+from space_robot_studies.reproduce.run_data import RunData
 from space_robot_studies.reproduce.signals import Signals
 
 # A picture is about this many dots wide; curves of longer runs are drawn by every k-th tick.
@@ -47,9 +50,20 @@ class Job:
     curves: tuple[str, ...]
     keep: Keep
 
+    def digest(self, experiment: Experiment, robot: Mapping[str, Any]) -> str:
+        """Changes with everything that its result depends on, but the code.
 
-def fly(job: Job) -> Flight:
-    """Fly a job; a run that fails is a result, not an error.
+        Args:
+            experiment: what is run.
+            robot: content of its robot file.
+        """
+        asked = [[asdict(quantity) for quantity in self.quantities], self.curves, self.keep]
+        content = [experiment.model_dump_json(), dict(robot), *asked]
+        return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def run_job(job: Job) -> RunData:
+    """Do a job; a run that fails is a result, not an error.
 
     Raises:
         SpaceRobotError: the log cannot be written.
@@ -58,30 +72,34 @@ def fly(job: Job) -> Flight:
         composition = compose(load_experiment(job.argument, job.overrides))
     except SpaceRobotError as error:
         # A draw of a campaign; all else was composed before.
-        return Flight(f"cannot be flown: {error}")
+        return RunData(f"cannot be run: {error}")
     warnings = composition.review().warnings
-    sink = fly_in_memory(composition, Hooks(stop=stop_reason))
     try:
-        flight = _look(job, composition, sink)
+        sink = fly_in_memory(composition)
+    except (Exception, SystemExit) as error:
+        # Nothing can be measured of it, and of its log nothing is known to be whole.
+        return RunData(bug(error), warnings=warnings)
+    try:
+        data = _look(job, composition, sink)
     except NonFiniteError as error:
-        # It was flown, but its numbers overflow when they are judged.
-        flight = Flight(str(error))
-    keep = job.keep == "all" or (job.keep == "failed" and not flight.completed)
+        # It was run, but its numbers overflow when they are judged.
+        data = RunData(str(error))
+    keep = job.keep == "all" or (job.keep == "failed" and not data.completed)
     if keep:
         write_bag(sink, composition, job.directory)
-    return replace(flight, warnings=warnings, bag=keep)
+    return replace(data, warnings=warnings, bag=keep)
 
 
-def _look(job: Job, composition: Composition, sink: MemorySink) -> Flight:
+def _look(job: Job, composition: Composition, sink: MemorySink) -> RunData:
     reason = sink.end_reason or ""
     metrics, checks = judge_ticks(sink.ticks, composition, reason)
     if metrics is None:
-        return Flight(reason)
+        return RunData(reason)
     arrays = arrays_of(sink.ticks)
     signals = Signals(arrays, composition)
     stride = max(1, arrays.time.size // DRAWN_TICKS)
     drawn = np.unique(np.append(np.arange(0, arrays.time.size, stride), arrays.time.size - 1))
-    return Flight(
+    return RunData(
         end_reason=reason,
         broken=tuple(check.name for check in checks if check.name in PLANT_BOUNDS and not check.passed),
         metrics=metrics.flat(),

@@ -29,8 +29,10 @@ PATHS, TOOL = ("base.axis_distance", "base.path"), ("tool.position_error", "tool
 ESTIMATE = "parameters"
 
 
-def signal_names(composition: Composition) -> tuple[list[str], bool]:
+def signal_names(composition: Composition, *, answered: bool = True) -> tuple[list[str], bool]:
     """Every name that ``Signals.of`` knows for runs of this composition, and whether the law said what it shows.
+
+    With ``answered`` False the law is not asked.
 
     - ``<axis>.value | reference | error``, axes as in the metrics, ``base/x`` to ``base/z`` of every robot [deg or m];
     - ``<axis>.rate``: velocity in inertial axes, angular velocity in body axes [deg/s or m/s];
@@ -48,7 +50,7 @@ def signal_names(composition: Composition) -> tuple[list[str], bool]:
     blocks = {"command.force": 3, "command.torque": 3, "command.effort": composition.nominal.n}
     blocks["base.error_quaternion"] = 3
     blocks |= {f"plant.{label}": block.size for label, block in sample.telemetry.items()}
-    law = _first_answer(composition, sample)
+    law = _first_answer(composition, sample) if answered else None
     shown = law or {}
     blocks |= {f"controller.{label}": block.size for label, block in shown.items()}
     names = [f"{axis}.{field}" for axis in _axes(composition) for field in AXIS_FIELDS]

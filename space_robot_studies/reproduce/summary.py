@@ -9,23 +9,24 @@ from dataclasses import asdict
 from typing import Any
 
 from space_robot_bringup.compose.composition import versions
+from space_robot_studies.engine.journal import RUNS
 from space_robot_studies.reproduce.claims import Judgement, seed_text
 from space_robot_studies.reproduce.manifest import Figure, Table
-from space_robot_studies.reproduce.measures import FlownRun, Measured, reduce
+from space_robot_studies.reproduce.measures import FinishedRun, Measured, reduce
 from space_robot_studies.reproduce.plan import Plan, PlannedRun, run_label
 from space_robot_studies.reproduce.quantities import Measure
-from space_robot_studies.reproduce.reproduction import RUNS, FlownFigure
+from space_robot_studies.reproduce.reproduction import FigureResult, passed
 
 Data = dict[str, Any]
 STYLES = {"holds": "green", "does not hold": "yellow", "not checkable": "dim", "undecided": "red"}
 
 
-def summary(plan: Plan, flown: Sequence[FlownFigure], pictures: dict[str, str]) -> Data:
+def summary(plan: Plan, finished: Sequence[FigureResult], pictures: dict[str, str]) -> Data:
     """Everything that was found, in numbers and words; no NaN, and of the wall clock only cycle times.
 
     Args:
         plan: of the paper.
-        flown: its figures.
+        finished: its figures.
         pictures: file name by figure.
     """
     manifest = plan.manifest
@@ -35,30 +36,25 @@ def summary(plan: Plan, flown: Sequence[FlownFigure], pictures: dict[str, str]) 
         "title": manifest.title,
         "citation": manifest.citation,
         "notes": manifest.notes,
-        "passed": passed(flown),
-        "runs": len({run.flight.name for figure in flown for run, _ in figure.runs}),
+        "passed": passed(finished),
+        "runs": len({run.distinct.name for figure in finished for run, _ in figure.runs}),
         "versions": versions(),
-        "figures": [_figure(figure, pictures.get(figure.name)) for figure in flown],
+        "figures": [_figure(figure, pictures.get(figure.name)) for figure in finished],
     }
 
 
-def passed(flown: Sequence[FlownFigure]) -> bool:
-    """Every verdict is the documented one, and no run failed that should not."""
-    return not any(figure.failures or any(one.changed for one in figure.judgements) for figure in flown)
-
-
-def _figure(flown: FlownFigure, picture: str | None) -> Data:
-    failed = [run.label for run, _ in flown.failures]
+def _figure(finished: FigureResult, picture: str | None) -> Data:
+    failed = [run.label for run, _ in finished.failures]
     return {
-        "name": flown.name,
-        "title": flown.figure.title,
-        "kind": flown.figure.kind,
-        "caption": flown.figure.caption,
+        "name": finished.name,
+        "title": finished.figure.title,
+        "kind": finished.figure.kind,
+        "caption": finished.figure.caption,
         "picture": picture,
-        "claims": [_claim(judgement) for judgement in flown.judgements],
-        "tables": [_table(table, flown) for table in flown.figure.tables],
-        "timing": {group: asdict(times) for group, times in flown.times.items()},
-        "runs": [_run(pair, flown.figure) for pair in flown.runs],
+        "claims": [_claim(judgement) for judgement in finished.judgements],
+        "tables": [_table(table, finished) for table in finished.figure.tables],
+        "timing": {group: asdict(times) for group, times in finished.times.items()},
+        "runs": [_run(pair, finished.figure) for pair in finished.runs],
         "failed": failed,
     }
 
@@ -96,13 +92,13 @@ def _measure(measure: Measure, measured: Measured) -> Data:
     }
 
 
-def _table(table: Table, flown: FlownFigure) -> Data:
-    runs = [pair for pair in flown.runs if table.of is None or pair[0].group in table.of]
-    rows: dict[str, list[FlownRun]] = {}
+def _table(table: Table, finished: FigureResult) -> Data:
+    runs = [pair for pair in finished.runs if table.of is None or pair[0].group in table.of]
+    rows: dict[str, list[FinishedRun]] = {}
     for pair in runs:
-        rows.setdefault(_row(table, pair[0], flown.figure), []).append(pair)
+        rows.setdefault(_row(table, pair[0], finished.figure), []).append(pair)
     cells = {
-        row: [reduce(number, members, flown.figure.diverged) for number in table.columns.values()]
+        row: [reduce(number, members, finished.figure.diverged) for number in table.columns.values()]
         for row, members in rows.items()
     }
     return {
@@ -126,19 +122,19 @@ def _cell(measured: Measured) -> Data:
     return {"value": measured.value, "runs": measured.runs, "without": len(measured.without)}
 
 
-def _run(pair: FlownRun, figure: Figure) -> Data:
-    run, flight = pair
-    broken = f"{', '.join(flight.broken)} beyond the plant's own bound" if flight.broken else ""
+def _run(pair: FinishedRun, figure: Figure) -> Data:
+    run, data = pair
+    broken = f"{', '.join(data.broken)} beyond the plant's own bound" if data.broken else ""
     return {
         "label": run.label,
         "group": run.group,
-        "command": run.flight.command,
-        "seed": run.flight.experiment.seed,
-        "bag": f"{RUNS}/{run.flight.name}" if flight.bag else None,
-        "end_reason": broken or flight.end_reason,
-        "completed": flight.completed,
-        "diverged": flight.diverged(figure.diverged),
-        "warnings": list(flight.warnings),
+        "command": run.distinct.command,
+        "seed": run.distinct.experiment.seed,
+        "bag": f"{RUNS}/{run.distinct.name}" if data.bag else None,
+        "end_reason": broken or data.end_reason,
+        "completed": data.completed,
+        "diverged": data.diverged(figure.diverged),
+        "warnings": list(data.warnings),
     }
 
 

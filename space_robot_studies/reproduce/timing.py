@@ -1,4 +1,4 @@
-"""How long a law takes per control cycle: its answers to the states of a flown run, timed one by one."""
+"""How long a law takes per control cycle: its answers to the states of a recorded run, timed one by one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from space_robot_control.laws.base import Law
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Reference, RobotState
 from space_robot_msgs_py.log.reader import LogReader
-from space_robot_studies.reproduce.measures import CYCLE_TIMES
+from space_robot_studies.reproduce.run_data import CYCLE_TIMES
 
 NANOSECONDS_PER_MICROSECOND = 1e3
 
@@ -55,7 +55,7 @@ def time_updates(law: Law, ticks: Sequence[tuple[RobotState, Reference]], repeat
 
     Args:
         law: fresh.
-        ticks: of its flight, in order.
+        ticks: of a run of it, in order.
         repeats: number of updates timed.
 
     Returns:

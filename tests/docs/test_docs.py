@@ -15,7 +15,7 @@ from space_robot_bringup.modes.run import run_experiment
 from space_robot_cli.main import main
 from space_robot_description.validation import parse_yaml_text
 from space_robot_studies.campaign.cases import check_cases, make_case
-from space_robot_studies.campaign.run_case import fly_case
+from space_robot_studies.campaign.run_case import run_case
 from space_robot_studies.campaign.spec import load_campaign
 from tests.support.nonempty import nonempty
 from tests.support.paths import ROOT
@@ -87,7 +87,7 @@ def test_campaigns_and_their_sections_can_be_flown(tmp_path: Path) -> None:
         data = parse_yaml_text(whole, "docs") | {"runs": 3, "expect": {}} | parse_yaml_text(text, "docs")
         path.write_text(dump_yaml(data), encoding="utf-8")
         assert check_cases(load_campaign(str(path)))
-    flown = fly_case(make_case(load_campaign(str(path)), 0).data, "copied", "none")
+    flown = run_case(make_case(load_campaign(str(path)), 0).data, "copied", "none")
     assert flown.columns["completed"], flown.columns
 
 

@@ -31,7 +31,7 @@ from space_robot_msgs_py.log.mcap.records import MAGIC, PREFIX, record_bytes
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_TELEMETRY, JOINT_COMMAND, JOINT_STATES
 from space_robot_msgs_py.urdf_frames import read_frames
-from space_robot_studies.campaign.journal import finished_rows
+from space_robot_studies.campaign.directory import campaign_rows
 
 LETTERS = "abcdefghijklmnop"
 
@@ -245,10 +245,10 @@ def test_rows_of_a_campaign_may_be_anything(tmp_path: Path) -> None:
     for name, row in rows.items():
         (tmp_path / "rows.jsonl").write_text(f"{good}{row}\n")
         with pytest.raises(LogError, match="line 2 is damaged"):
-            finished_rows(tmp_path)
+            campaign_rows(tmp_path)
         assert name
     (tmp_path / "rows.jsonl").write_text(f'{good}{{"index": 0, "columns": {{"index": 0, {columns}}}}}\n')
-    assert list(finished_rows(tmp_path)[1]) == [0]
+    assert list(campaign_rows(tmp_path)[1]) == [0]
 
 
 def test_the_table_of_limits_is_that_of_the_code() -> None:

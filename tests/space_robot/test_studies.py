@@ -88,9 +88,9 @@ def test_a_comparison_is_that_of_the_command_line(folder: Path, monkeypatch: pyt
 
 def test_a_comparison_that_was_stopped_compares_nothing(folder: Path) -> None:
     """A reason to stop ends it with that reason; nothing is said about the laws."""
-    from space_robot_studies.campaign.campaign import CampaignHooks
+    from space_robot_studies.engine.hooks import StudyHooks
 
-    hooks = CampaignHooks(stop=lambda: "interrupted")
+    hooks = StudyHooks(stop=lambda: "interrupted")
     done = sr.compare(["small.yaml"], out="mine", runs=1, workers=1, hooks=hooks)
     assert (done.end_reason, done.comparisons, done.passed) == ("interrupted", (), False)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,16 @@ class Exits(Law):
         return np.zeros(6 + self.n), {}
 
 
+class Leaves(Law):
+    """Ends its process without a word."""
+
+    name = "leaves"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never return."""
+        os._exit(7)
+
+
 class Endless(Law):
     """Computes for ever from 0.5 s on."""
 
@@ -107,4 +118,26 @@ class Talkative(Law):
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return nothing."""
         print("tick\ntick x\n{", flush=True)
+        return np.zeros(6 + self.n), {}
+
+
+class Waits(Law):
+    """Waits for what never comes."""
+
+    name = "waits"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Never return."""
+        Event().wait()
+        raise AssertionError("woke up")
+
+
+class Talks(Law):
+    """Prints on stdout."""
+
+    name = "talks"
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return nothing and say so."""
+        print("hear me")
         return np.zeros(6 + self.n), {}

@@ -9,9 +9,9 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_studies.reproduce.manifest import Figure, Panel
-from space_robot_studies.reproduce.measures import Flight
-from space_robot_studies.reproduce.plan import PlannedFlight, PlannedRun
-from space_robot_studies.reproduce.reproduction import FlownFigure
+from space_robot_studies.reproduce.plan import DistinctRun, PlannedRun
+from space_robot_studies.reproduce.reproduction import FigureResult
+from space_robot_studies.reproduce.run_data import RunData
 
 pytest.importorskip("matplotlib")
 from space_robot_report.figures.chart import plain
@@ -22,7 +22,7 @@ TIME = np.arange(5.0)
 EXPERIMENT = load_experiment("liu2023/fig08")
 
 
-def flown(**groups: int | str) -> FlownFigure:
+def flown(**groups: int | str) -> FigureResult:
     """A figure with so many runs per group; ``"sweep"`` is a sweep of three. Each run has x, and y.reference."""
     data: dict[str, Any] = {"title": "t", "runs": {}}
     runs = []
@@ -32,12 +32,12 @@ def flown(**groups: int | str) -> FlownFigure:
         for index in range(count):
             label = f"{group} {index}" if count > 1 else group
             curves = {"x": TIME * (index + 1), "y.reference": TIME}
-            planned = PlannedFlight(label, "e", (), EXPERIMENT)
-            runs.append((PlannedRun(label, group, {}, planned), Flight("completed", time=TIME, curves=curves)))
-    return FlownFigure("8", Figure.model_validate(data), tuple(runs), {}, ())
+            planned = DistinctRun(label, "e", (), EXPERIMENT)
+            runs.append((PlannedRun(label, group, {}, planned), RunData("completed", time=TIME, curves=curves)))
+    return FigureResult("8", Figure.model_validate(data), tuple(runs), {}, ())
 
 
-def curves(figure: FlownFigure, **keys: Any) -> list[Curve]:
+def curves(figure: FigureResult, **keys: Any) -> list[Curve]:
     return curves_of(Panel.model_validate({"signals": ["x"]} | keys), figure)
 
 

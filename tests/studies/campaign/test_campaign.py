@@ -1,4 +1,4 @@
-"""Campaigns give the same table whoever flies them, whatever dies meanwhile, and every case can be flown again."""
+"""Campaigns give the same table whatever runs them and whatever dies meanwhile; every case can be run again."""
 
 from __future__ import annotations
 
@@ -18,17 +18,15 @@ import pytest
 
 from tests.support.paths import ROOT
 
-pytest.importorskip("distributed")
 pq = pytest.importorskip("pyarrow.parquet")
-
-import dask  # noqa: E402
-from distributed import Client  # noqa: E402
+pytest.importorskip("scipy")
 
 from space_robot_cli.main import main  # noqa: E402
-from space_robot_studies.campaign import dispatch as fleet  # noqa: E402
-from space_robot_studies.campaign.campaign import CampaignHooks, CampaignResult, run_campaign  # noqa: E402
+from space_robot_studies.campaign.campaign import CampaignResult, run_campaign  # noqa: E402
 from space_robot_studies.campaign.spec import load_campaign  # noqa: E402
+from space_robot_studies.engine.hooks import StudyHooks  # noqa: E402
 from tests.support.nonempty import nonempty  # noqa: E402
+from tests.support.processes import descendants  # noqa: E402
 
 pytestmark = pytest.mark.xdist_group("campaign")
 
@@ -48,13 +46,23 @@ disperse:
 vary:
   plant.delay_periods: [0, 1]
 """
+# Every way in which a law can end a run, between two that are fine.
 LAWS = """
 title: laws that fail
 experiment: liu2023/fig08
 set: {duration: 2.0, expect: {}, controller.gains: {}}
 runs: 1
 vary:
-  controller.law: {fine: computed_torque, {LAWS}}
+  controller.law:
+    fine: computed_torque
+    gives up: tests.support.laws:GivesUp
+    buggy: tests.support.laws:Buggy
+    exits: tests.support.laws:Exits
+    deadly: tests.support.laws:Deadly
+    leaves: tests.support.laws:Leaves
+    endless: tests.support.laws:Endless
+    waits: tests.support.laws:Waits
+    fine too: computed_torque
 """
 
 
@@ -65,7 +73,7 @@ def write(folder: Path, text: str = CAMPAIGN) -> Path:
 
 
 def fly(folder: Path, name: str, text: str = CAMPAIGN, **options: Any) -> CampaignResult:
-    return run_campaign(load_campaign(str(write(folder, text))), folder / name, **options)
+    return run_campaign(write(folder, text), folder / name, **options)
 
 
 def results(directory: Path) -> list[bytes]:
@@ -116,19 +124,6 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
         process.communicate()
 
 
-def workers_of(process: subprocess.Popen[str]) -> list[int]:
-    """The worker processes of a campaign."""
-    found = []
-    for entry in Path("/proc").glob("[0-9]*"):
-        try:
-            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
-            if parent == process.pid and b"spawn_main" in (entry / "cmdline").read_bytes():
-                found.append(int(entry.name))
-        except OSError:
-            continue
-    return found
-
-
 @pytest.mark.parametrize("workers", [2, 4])
 def test_the_number_of_workers_changes_nothing(flown: Path, tmp_path: Path, workers: int) -> None:
     """Table and summary are the same bytes with 1, 2 and 4 workers; kept are the bags of the failed cases."""
@@ -176,46 +171,60 @@ def test_a_case_flown_again_has_the_numbers_of_its_row(
 
 
 def test_a_kill_of_a_worker_and_of_the_campaign_changes_nothing(flown: Path, tmp_path: Path) -> None:
-    """After SIGKILL of a worker, then of the campaign, no worker is left and --resume ends with the same table."""
+    """A killed worker costs one row and is replaced; a killed campaign leaves no process; resumed, the table is whole.
+
+    The first row of a killed worker has the reason, and only that run is done again.
+    """
     write(tmp_path)
     out = tmp_path / "killed"
-    command = ["space_robot_bringup", "campaign", str(tmp_path / "test.yaml"), "--out", str(out), "--workers", "2"]
+    command = ["space_robot_cli", "campaign", str(tmp_path / "test.yaml"), "--out", str(out), "--workers", "2"]
     with started(*command) as campaign:
         wait_for(lambda: finished(out) >= 2, "the first rows")
-        os.kill(workers_of(campaign)[0], signal.SIGKILL)
+        (spawner,) = descendants(campaign.pid, 1)
+        os.kill(descendants(spawner, 1)[0], signal.SIGKILL)
         before = finished(out)
         wait_for(lambda: finished(out) > before + 2, "rows after a worker's death")
-        crew = workers_of(campaign)
+        processes = descendants(campaign.pid)
+        assert len(processes) == 3
         campaign.kill()
         campaign.wait()
-        wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in crew), "the workers to go too")
+        wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in processes), "the workers to go too")
     assert 2 <= finished(out) < 24
     assert not (out / "table.parquet").exists()
+    lost = [json.loads(line) for line in (out / "rows.jsonl").read_text().splitlines()[1:] if '"lost": true' in line]
+    assert [row["columns"]["end_reason"] for row in lost] == ["lost: the worker process was killed by SIGKILL"]
     result = fly(tmp_path, "killed", workers=2, resume=True)
-    assert result.done == result.total == 24
+    assert (result.done, result.total, result.lost) == (24, 24, 0)
     assert results(out) == results(flown)
 
 
-def test_a_signal_keeps_the_rows_and_says_how_to_go_on(tmp_path: Path) -> None:
-    """Ctrl-C, which reaches workers too, ends a campaign with exit 1, its rows kept and no traceback."""
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_a_campaign_and_says_how_to_go_on(tmp_path: Path, number: signal.Signals) -> None:
+    """A signal that reaches workers too ends it with exit 1, its rows kept, no process left, no traceback."""
     write(tmp_path, CAMPAIGN.replace("runs: 12", "runs: 1000"))
     out = tmp_path / "stopped"
-    command = ["space_robot_bringup", "campaign", str(tmp_path / "test.yaml"), "--out", str(out), "--workers", "1"]
+    command = ["space_robot_cli", "campaign", str(tmp_path / "test.yaml"), "--out", str(out), "--workers", "1"]
     with started(*command) as campaign:
         wait_for(lambda: finished(out) >= 2, "the first rows")
-        os.killpg(campaign.pid, signal.SIGINT)
+        processes = descendants(campaign.pid)
+        os.killpg(campaign.pid, number)
         said, _ = campaign.communicate(timeout=60)
     assert campaign.returncode == 1, said
-    assert "FAIL (interrupted)" in said
+    assert ("FAIL (interrupted)" if number == signal.SIGINT else "FAIL (terminated)") in said
     assert f"space-robot campaign {out / 'resolved.yaml'} --out {out} --resume" in said
     assert "Traceback" not in said, said
     assert 2 <= finished(out) < 2000
+    assert len(processes) == 2
+    assert not any(Path(f"/proc/{pid}").exists() for pid in processes)
 
 
 def test_a_scheduler_elsewhere_gives_the_same_table(
     flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A scheduler and two workers, processes that know nothing of us, fly it to the same bytes; lost, they end it."""
+    """A scheduler and two workers, processes of their own, run it to the same bytes; lost, they end it."""
+    distributed = pytest.importorskip("distributed")
+    from space_robot_studies.engine import dask_workers
+
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
@@ -225,22 +234,24 @@ def test_a_scheduler_elsewhere_gives_the_same_table(
     with started(*scheduler, *options) as post, started(*worker) as one, started(*worker) as two:
 
         def wait_for_workers(count: int) -> None:
-            with Client(address, timeout=30) as client:
+            with distributed.Client(address, timeout=30) as client:
                 client.wait_for_workers(count, timeout=60)
 
         wait_for_workers(2)
-        result = fly(tmp_path, "far", workers=0, scheduler=address, keep="all")
+        result = fly(tmp_path, "far", scheduler=address, keep="all")
         assert result.passed
         assert results(tmp_path / "far") == results(flown)
         for bag in nonempty(flown.glob("runs/*/*")):
             assert (tmp_path / "far" / bag.relative_to(flown)).read_bytes() == bag.read_bytes()
-        monkeypatch.setattr(fleet, "PATIENCE_SECONDS", 0.5)
-        monkeypatch.setattr(fleet, "FETCH_SECONDS", 2.0)
-        endless = load_campaign(str(write(tmp_path, CAMPAIGN.replace("runs: 12", "runs: 1000"))))
+        fly(tmp_path, "deadly", without("endless", "waits"), scheduler=address)
+        assert reasons(tmp_path / "deadly") == {law: REASONS[law] for law in REASONS if law not in ("endless", "waits")}
+        monkeypatch.setattr(dask_workers, "PATIENCE_SECONDS", 0.5)
+        monkeypatch.setattr(dask_workers, "FETCH_SECONDS", 2.0)
+        endless = load_campaign(write(tmp_path, CAMPAIGN.replace("runs: 12", "runs: 1000")))
 
         def end_after_a_row(name: str, *victims: subprocess.Popen[str]) -> str:
-            hooks = CampaignHooks(on_row=lambda done: [victim.kill() for victim in victims] and None)
-            ended = run_campaign(endless, tmp_path / name, workers=0, scheduler=address, hooks=hooks)
+            hooks = StudyHooks(on_row=lambda done: [victim.kill() for victim in victims] and None)
+            ended = run_campaign(endless, tmp_path / name, scheduler=address, hooks=hooks)
             assert 0 < ended.done < ended.total
             return ended.end_reason
 
@@ -250,24 +261,60 @@ def test_a_scheduler_elsewhere_gives_the_same_table(
             assert "the scheduler is gone" in end_after_a_row("no scheduler", post)
 
 
-def test_whatever_a_run_does_is_a_row(tmp_path: Path) -> None:
-    """A law that gives up, one with a bug and one that kills its worker cost one row each, with the reason."""
-    text = LAWS.replace(
-        "{LAWS}",
-        "gives up: tests.support.laws:GivesUp, buggy: tests.support.laws:Buggy, deadly: tests.support.laws:Deadly",
-    )
-    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
-        result = fly(tmp_path, "bad", text, workers=1)
-    assert (result.end_reason, result.passed) == ("completed", False)
-    fine, gives_up, buggy, deadly = rows(tmp_path / "bad")
-    assert fine["passed"]
-    assert not any(row["passed"] or row["completed"] for row in (gives_up, buggy, deadly))
-    assert gives_up["end_reason"] == "controller: gives_up: patience: enough at t = 0.5 s"
+LIMIT = 2.0
+REASONS = {
+    "fine": "completed",
+    "gives up": "controller: gives_up: patience: enough at t = 0.5 s",
+    "buggy": "bug: KeyError: 'a typo'",
+    "exits": "bug: SystemExit: enough of this",
+    "deadly": "lost: the worker process was killed by SIGKILL",
+    "leaves": "lost: the worker process exited with status 7",
+    "endless": "timeout: more than 2 s of CPU time",
+    "waits": "timeout: more than 20 s, most of them waiting",
+    "fine too": "completed",
+}
+
+
+def without(*laws: str) -> str:
+    """The campaign of failing laws without some of them."""
+    return "\n".join(line for line in LAWS.splitlines() if not line.strip().startswith(laws))
+
+
+def reasons(directory: Path) -> dict[str, str]:
+    return {row["controller.law"]: row["end_reason"] for row in rows(directory)}
+
+
+def test_whatever_a_law_does_is_a_row(tmp_path: Path) -> None:
+    """A law that gives up, raises, exits, kills its process, loops or waits for ever costs one row with the reason."""
+    result = fly(tmp_path, "bad", LAWS, workers=2, time_limit=LIMIT)
+    assert (result.end_reason, result.passed, result.lost) == ("completed", False, 2)
+    assert reasons(tmp_path / "bad") == REASONS
+    table = rows(tmp_path / "bad")
+    assert [row["index"] for row in table if row["completed"]] == [0, 8]
+    gives_up = table[1]
     assert gives_up["ticks"] == 2
     assert gives_up["base/roll.max_error"] is not None
-    assert buggy["end_reason"] == "bug: KeyError: 'a typo'"
-    assert deadly["end_reason"] == "lost: KilledWorker"
-    assert sorted(path.name for path in (tmp_path / "bad" / "runs").iterdir()) == ["000001", "000002"]
+    assert sorted(path.name for path in (tmp_path / "bad" / "runs").iterdir()) == ["000001", "000002", "000003"]
     journal = [json.loads(line) for line in (tmp_path / "bad" / "rows.jsonl").read_text().splitlines()[1:]]
-    assert "KeyError" in next(row["trace"] for row in journal if row["index"] == 2)
-    assert [row["index"] for row in journal if row["lost"]] == [3]
+    assert "KeyError" in next(row["trace"] for row in journal if row["key"] == 2)
+    assert {row["key"] for row in journal if row["lost"]} == {4, 5}
+    assert {row["key"]: row["time_limit"] for row in journal if row["time_limit"]} == {6: LIMIT, 7: LIMIT}
+
+
+def test_a_resumed_campaign_runs_again_what_may_end_otherwise(tmp_path: Path) -> None:
+    """Lost runs are run again, those ended by a limit only under a larger one, all others never."""
+    fly(tmp_path, "out", without("leaves", "waits"), workers=2, time_limit=2.0)
+    for limit, again in ((2.0, [4]), (2.5, [4, 5])):
+        before = finished(tmp_path / "out")
+        fly(tmp_path, "out", without("leaves", "waits"), workers=2, time_limit=limit, resume=True)
+        lines = (tmp_path / "out" / "rows.jsonl").read_text().splitlines()[1 + before :]
+        assert sorted(json.loads(line)["key"] for line in lines) == again
+
+
+def test_what_a_law_prints_stays_out_of_the_results(tmp_path: Path) -> None:
+    """`--json` prints one object, whatever the laws of the runs say."""
+    path = write(tmp_path, LAWS[: LAWS.index("    fine:")] + "    talks: tests.support.laws:Talks\n")
+    command = [sys.executable, "-m", "space_robot_cli", "campaign", str(path), "--json", "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert json.loads(done.stdout)["done"] == 1
+    assert "hear me" in done.stderr

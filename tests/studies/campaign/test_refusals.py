@@ -1,4 +1,4 @@
-"""A campaign that cannot be flown is refused in one line with exit 2, and leaves nothing."""
+"""A campaign that cannot be run is refused in one line with exit 2, and leaves nothing."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("distributed")
+pytest.importorskip("pyarrow")
+pytest.importorskip("scipy")
 
 from space_robot_cli.main import main
-from space_robot_studies.campaign import cluster
 
 CAMPAIGN = """
 title: test
@@ -128,8 +128,9 @@ def test_a_file_that_cannot_be_flown(space_robot: Tool, tmp_path: Path, change: 
         (("campaign.yaml", "--workers", "0"), ("--workers", "0")),
         (("campaign.yaml", "--keep", "some"), ("--keep", "some", "failed")),
         (("campaign.yaml", "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"), ("--scheduler", "--workers")),
-        (("campaign.yaml", "--scheduler", "nonsense"), ("--scheduler", "nonsense")),
-        (("campaign.yaml", "--scheduler", "tcp://127.0.0.1:9"), ("--scheduler", "tcp://127.0.0.1:9", "reached")),
+        (("campaign.yaml", "--workers", "1025"), ("--workers", "1025", "1 to 1024")),
+        (("campaign.yaml", "--time-limit", "0"), ("--time-limit", "0", "[s]")),
+        (("campaign.yaml", "--time-limit", "nan"), ("--time-limit", "nan", "[s]")),
         (("campaign.yaml", "--out", "campaign.yaml"), ("--out", "file")),
         (("campaign.yaml", "--out", "x" * 5000), ("xxx", "too long")),
         (("campaign.yaml", "--out", "a\0b"), ("null byte",)),
@@ -139,20 +140,40 @@ def test_a_file_that_cannot_be_flown(space_robot: Tool, tmp_path: Path, change: 
     ids=lambda value: " ".join(value[1:])[:40].replace("\0", "") or "no such file",
 )
 def test_an_option_that_cannot_be_used(
-    space_robot: Tool,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    arguments: tuple[str, ...],
-    words: tuple[str, ...],
+    space_robot: Tool, tmp_path: Path, arguments: tuple[str, ...], words: tuple[str, ...]
 ) -> None:
-    """An option is refused like a file; also a scheduler nobody answers for, and a directory with something in it."""
-    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 0.5)
+    """An option is refused like a file; also a directory with something in it."""
     write(tmp_path)
     (tmp_path / "precious").mkdir()
     (tmp_path / "precious" / "thesis.tex").write_text("years")
     out = () if "--out" in arguments else ("--out", "out")
     refused(space_robot("campaign", *arguments, *out), *words)
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["campaign.yaml", "precious", "thesis.tex"]
+
+
+@pytest.mark.parametrize(("address", "word"), [("nonsense", "nonsense"), ("tcp://127.0.0.1:9", "reached")])
+def test_a_scheduler_that_is_not_there(
+    space_robot: Tool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: str, word: str
+) -> None:
+    """An address at which nothing answers is refused, and nothing is written."""
+    pytest.importorskip("distributed")
+    from space_robot_studies.engine import dask_workers
+
+    monkeypatch.setattr(dask_workers, "CONNECT_SECONDS", 0.5)
+    write(tmp_path)
+    refused(space_robot("campaign", "campaign.yaml", "--scheduler", address, "--out", "out"), "--scheduler", word)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["campaign.yaml"]
+
+
+def test_without_dask_a_scheduler_is_refused(
+    space_robot: Tool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only `--scheduler` needs Dask, and says what to install."""
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    monkeypatch.delitem(sys.modules, "space_robot_studies.engine.dask_workers", raising=False)
+    write(tmp_path)
+    done = space_robot("campaign", "campaign.yaml", "--scheduler", "tcp://127.0.0.1:9", "--out", "out")
+    refused(done, "--scheduler", "Dask", "space-robot[cluster]")
 
 
 @pytest.mark.parametrize(
@@ -174,12 +195,12 @@ def test_a_run_that_is_not_said_or_said_twice(space_robot: Tool, tmp_path: Path,
 def test_a_directory_of_another_campaign_is_left_alone(space_robot: Tool, tmp_path: Path) -> None:
     """Resumed are only the campaign, the number of runs and the versions a directory was begun with."""
     from space_robot_bringup.compose.composition import versions
-    from space_robot_studies.campaign.journal import open_journal
+    from space_robot_studies.campaign.directory import open_campaign
     from space_robot_studies.campaign.spec import load_campaign
 
     write(tmp_path)
     here = {name: versions()[name] for name in versions()}
-    with open_journal(tmp_path / "out", load_campaign(str(tmp_path / "campaign.yaml")), here):
+    with open_campaign(tmp_path / "out", load_campaign(tmp_path / "campaign.yaml"), here, 9.0):
         refused(space_robot("run", "--from", "out", "--index", "2"), "--index", "0 to 1")
         refused(space_robot("run", "--from", ".", "--index", "2"), "no campaign")
     before = {path: path.read_bytes() for path in (tmp_path / "out").iterdir()}
@@ -198,27 +219,28 @@ def columns(index: int, *, passed: bool) -> dict[str, Any]:
 def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     """Rows are comparable only if everything that can change their bits is the same; a torn line is cut off."""
     from space_robot_msgs_py.errors import LogError, SpecError
-    from space_robot_studies.campaign.journal import Row, finished_row, open_journal
+    from space_robot_studies.campaign.directory import open_campaign
     from space_robot_studies.campaign.spec import load_campaign
+    from space_robot_studies.engine.journal import Row, finished_row
 
     write(tmp_path)
     spec, out = load_campaign(str(tmp_path / "campaign.yaml")), tmp_path / "out"
-    with open_journal(out, spec, {"pin": "1"}) as book:
-        book.append(Row(0, columns(0, passed=True)), {"a.mcap": b"bag"})
-        book.append(Row(1, columns(1, passed=False), lost=True), {})
-        with pytest.raises(SpecError, match="another process"), open_journal(out, spec, {"pin": "1"}):
+    with open_campaign(out, spec, {"pin": "1"}, 9.0) as book:
+        book.append(Row(0, {"passed": True}), {"a.mcap": b"bag"})
+        book.append(Row(1, {"passed": False}, lost=True), {})
+        with pytest.raises(SpecError, match="another process"), open_campaign(out, spec, {"pin": "1"}, 9.0):
             pass
-    with pytest.raises(SpecError, match="begun with pin 1"), open_journal(out, spec, {"pin": "2"}):
+    with pytest.raises(SpecError, match="begun with pin 1"), open_campaign(out, spec, {"pin": "2"}, 9.0):
         pass
     rows = (out / "rows.jsonl").read_text()
-    (out / "rows.jsonl").write_text(rows + json.dumps({"index": 1, "columns": {}})[:-1])
+    (out / "rows.jsonl").write_text(rows + json.dumps({"key": 1, "columns": {}})[:-1])
     found = finished_row(out, 1)
     assert found is not None
     assert found.lost
-    with open_journal(out, spec, {"pin": "1"}) as book:
+    with open_campaign(out, spec, {"pin": "1"}, 9.0) as book:
         assert book.rows.keys() == {0}
     assert (out / "rows.jsonl").read_text() == rows
-    (out / "rows.jsonl").write_text(rows.replace("index", "indax"))
-    with pytest.raises(LogError, match="line 2 is damaged"), open_journal(out, spec, {"pin": "1"}):
+    (out / "rows.jsonl").write_text(rows.replace("key", "kay"))
+    with pytest.raises(LogError, match="line 2 is corrupted"), open_campaign(out, spec, {"pin": "1"}, 9.0):
         pass
     assert (out / "runs" / "000000" / "a.mcap").read_bytes() == b"bag"

@@ -9,19 +9,19 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("distributed")
+pytest.importorskip("scipy")
 pq = pytest.importorskip("pyarrow.parquet")
 
 from space_robot_cli.main import main  # noqa: E402
 from space_robot_studies.campaign.spec import load_campaign, read_campaign  # noqa: E402
-from space_robot_studies.compare.comparison import METRICS, Comparison, compare  # noqa: E402
+from space_robot_studies.compare.comparison import METRICS, Comparison, side_by_side  # noqa: E402
 from space_robot_studies.compare.tables import markdown, rows_of  # noqa: E402
 from tests.support.nonempty import nonempty  # noqa: E402
 from tests.support.tool import Tool, refused  # noqa: E402
 
 pytestmark = pytest.mark.xdist_group("campaign")
 
-# Short and of few runs; a law that never moves, and one that ends its flight.
+# Short and of few runs; a law that never moves, and one that ends its run.
 CAMPAIGN = """
 title: four laws
 experiment: compare/mini
@@ -65,8 +65,8 @@ def rows(folder: Path) -> list[dict[str, Any]]:
     return found
 
 
-def side_by_side(folder: Path) -> Comparison:
-    return compare(load_campaign(str(folder / "four.yaml")), "four", rows(folder))
+def compared(folder: Path) -> Comparison:
+    return side_by_side(load_campaign(folder / "four.yaml"), "four", rows(folder))
 
 
 def test_every_law_gets_the_same_draws(flown: Path) -> None:
@@ -79,7 +79,7 @@ def test_every_law_gets_the_same_draws(flown: Path) -> None:
 
 def test_the_numbers_are_those_of_the_campaigns_table(flown: Path) -> None:
     """Every median is that of the completed rows of its law, period and condition; what is written says the same."""
-    comparison = side_by_side(flown)
+    comparison = compared(flown)
     for cell in nonempty(comparison.cells):
         place = {"controller": cell.law, "control_period": cell.period, **cell.condition}
         mine = [row for row in rows(flown) if place.items() <= row.items()]
@@ -94,8 +94,8 @@ def test_the_numbers_are_those_of_the_campaigns_table(flown: Path) -> None:
 
 
 def test_what_failed_is_shown(flown: Path) -> None:
-    """A law that never settles, and one that ends its flights, have a row in every table that says so."""
-    comparison = side_by_side(flown)
+    """A law that never settles, and one that ends its runs, have a row in every table that says so."""
+    comparison = compared(flown)
     for metric in METRICS:
         texts = {row[0]: row[2] for row in rows_of(comparison, metric)}
         assert set(texts) == {"torque", "mfac", "nothing", "gives_up"}
@@ -114,7 +114,7 @@ def test_all_tables_are_written_and_drawn(flown: Path) -> None:
     lines = [line for line in text.splitlines() if line.startswith("| ")]
     assert len({line.count("|") for line in lines}) == 2  # metrics and costs
     assert (flown / "out" / "four.png").read_bytes().startswith(b"\x89PNG")
-    comparison = side_by_side(flown)
+    comparison = compared(flown)
     assert "| torque | 12 |" in markdown([comparison], {"four": {"torque": 12.4, "gives_up": None}})
 
 

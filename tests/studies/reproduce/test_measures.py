@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from typing import Any
 
@@ -12,24 +13,25 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.reproduce.claims import UNDECIDED, check_words, judge, seed_text
 from space_robot_studies.reproduce.manifest import Bounds, Claim, Figure
-from space_robot_studies.reproduce.measures import Flight, FlownRun, reduce, select, take
-from space_robot_studies.reproduce.plan import PlannedFlight, PlannedRun
+from space_robot_studies.reproduce.measures import FinishedRun, reduce, select, take
+from space_robot_studies.reproduce.plan import DistinctRun, PlannedRun
 from space_robot_studies.reproduce.quantities import Measure, Number, Quantity
+from space_robot_studies.reproduce.run_data import RunData
 from space_robot_studies.reproduce.timing import CycleTimes
 
 BOUNDS = Bounds()
 SMALL = {"attitude": 10.0, "joints": 5.0}
 
 
-def flight(settling: float | None = 1.0, *, reason: str = "completed", **more: Any) -> Flight:
-    return Flight(reason, metrics={"settling": settling}, **{"largest": SMALL, **more})
+def data(settling: float | None = 1.0, *, reason: str = "completed", **more: Any) -> RunData:
+    return RunData(reason, metrics={"settling": settling}, **{"largest": SMALL, **more})
 
 
-def flown(*flights: Flight, group: str = "all") -> list[FlownRun]:
+def finished(*all_data: RunData, group: str = "all") -> list[FinishedRun]:
     experiment = load_experiment("liu2023/fig08")
     runs = []
-    for seed, one in enumerate(flights):
-        planned = PlannedFlight(f"{group}{seed}", "x", (), experiment.model_copy(update={"seed": seed}))
+    for seed, one in enumerate(all_data):
+        planned = DistinctRun(f"{group}{seed}", "x", (), experiment.model_copy(update={"seed": seed}))
         runs.append((PlannedRun(f"{group} {seed}", group, {"seed": seed}, planned), one))
     return runs
 
@@ -52,7 +54,7 @@ def claim(**keys: Any) -> Claim:
 def test_reductions_are_those_of_numpy() -> None:
     """Each reduction over the runs is what its name says."""
     values = [3.0, 1.0, 2.0, 7.0]
-    runs = flown(*map(flight, values))
+    runs = finished(*map(data, values))
     want = {"min": 1.0, "max": 7.0, "mean": 3.25, "median": 2.5, "sum": 13.0, "count": 4.0, "std": np.std(values)}
     for name, value in want.items():
         number = Number.model_validate({"metric": "settling", "reduce": name})
@@ -61,7 +63,7 @@ def test_reductions_are_those_of_numpy() -> None:
 
 def test_a_run_without_the_number_is_refused_skipped_or_replaced_as_said() -> None:
     """``missing`` decides, and the runs without the number are named in every case."""
-    runs = flown(flight(1.0), flight(None), flight(3.0))
+    runs = finished(data(1.0), data(None), data(3.0))
     refused = reduce(Number(metric="settling", reduce="mean"), runs, BOUNDS)
     assert refused.value is None
     assert "all 1 without settling" in refused.why
@@ -74,7 +76,7 @@ def test_a_run_without_the_number_is_refused_skipped_or_replaced_as_said() -> No
 
 def test_nothing_left_has_no_number_but_counts_as_none() -> None:
     """When every run lacks the number only its count and sum exist."""
-    runs = flown(flight(None))
+    runs = finished(data(None))
     assert reduce(Number(metric="settling", reduce="max", missing="skip"), runs, BOUNDS).value is None
     assert reduce(Number(metric="settling", reduce="count", missing="skip"), runs, BOUNDS).value == 0.0
 
@@ -82,13 +84,13 @@ def test_nothing_left_has_no_number_but_counts_as_none() -> None:
 @pytest.mark.parametrize(
     "bad",
     [
-        flight(1.0, reason="controller: had enough"),
-        flight(1.0, reason="interrupted"),
-        flight(1.0, broken=("energy_residual",)),
-        Flight("a metric is not finite"),
+        data(1.0, reason="controller: had enough"),
+        data(1.0, reason="interrupted"),
+        data(1.0, broken=("energy_residual",)),
+        RunData("a metric is not finite"),
     ],
 )
-def test_a_failed_run_has_diverged_and_lends_no_number(bad: Flight) -> None:
+def test_a_failed_run_has_diverged_and_lends_no_number(bad: RunData) -> None:
     """A run that did not complete, or whose plant was wrong, counts as diverged and has no metric to count."""
     assert bad.number(Quantity("completed"), BOUNDS) == 0.0
     assert bad.number(Quantity("diverged"), BOUNDS) == 1.0
@@ -99,11 +101,11 @@ def test_a_failed_run_has_diverged_and_lends_no_number(bad: Flight) -> None:
 @pytest.mark.parametrize(("name", "value"), [("attitude", 91.0), ("joints", 181.0), ("position", 10.1)])
 def test_a_run_that_leaves_the_bounds_has_diverged(name: str, value: float) -> None:
     """A completed run with an error beyond a bound has diverged, and wider bounds forgive it."""
-    wild = flight(1.0, largest=SMALL | {name: value})
+    wild = data(1.0, largest=SMALL | {name: value})
     assert wild.completed
     assert wild.diverged(BOUNDS)
     assert not wild.diverged(Bounds.model_validate({name: 2.0 * value}))
-    assert not flight(1.0).diverged(BOUNDS)
+    assert not data(1.0).diverged(BOUNDS)
 
 
 def test_a_number_of_a_signal_is_taken_in_its_window() -> None:
@@ -117,14 +119,14 @@ def test_a_number_of_a_signal_is_taken_in_its_window() -> None:
 
 def test_where_picks_the_runs_with_a_value() -> None:
     """``where`` leaves only runs whose key has this value."""
-    runs = [run for run, _ in flown(flight(), flight(), flight())]
+    runs = [run for run, _ in finished(data(), data(), data())]
     measure = Measure.model_validate({"metric": "settling", "of": "all", "where": {"seed": 2}})
     assert [run.label for run in select(measure, runs)] == ["all 2"]
 
 
 def test_a_claim_is_decided_by_its_condition() -> None:
     """The verdict is measured, never taken from the manifest; a difference is a change."""
-    fast, slow = flown(flight(1.0), flight(2.0)), flown(flight(1.0), flight(9.0))
+    fast, slow = finished(data(1.0), data(2.0)), finished(data(1.0), data(9.0))
     held = judge(claim(), figure(claim()), fast)
     assert (held.verdict, held.changed) == ("holds", False)
     assert held.found == "2.0 s over 2 runs, seeds 0-1"
@@ -135,17 +137,17 @@ def test_a_claim_is_decided_by_its_condition() -> None:
 
 def test_a_claim_without_its_numbers_is_undecided_and_so_changed() -> None:
     """A missing number, or a condition without a value, is no verdict at all."""
-    missing = judge(claim(), figure(claim()), flown(flight(None)))
+    missing = judge(claim(), figure(claim()), finished(data(None)))
     assert (missing.verdict, missing.changed) == (UNDECIDED, True)
     divided = claim(holds_if="1 / (slowest - slowest) > 0")
-    assert judge(divided, figure(divided), flown(flight(1.0))).verdict == UNDECIDED
+    assert judge(divided, figure(divided), finished(data(1.0))).verdict == UNDECIDED
 
 
 def test_a_claim_that_cannot_be_checked_stays_so() -> None:
     """Not checkable needs a reason, takes no measures, and is never a change."""
     words = {"paper": "It is nice.", "verdict": "not checkable"}
     one = Claim.model_validate(words | {"because": "No number is given."})
-    assert not judge(one, figure(one), flown(flight())).changed
+    assert not judge(one, figure(one), finished(data())).changed
     for wrong in ({}, {"because": "x", "holds_if": "1 < 2"}):
         with pytest.raises(ValueError, match="not checkable"):
             Claim.model_validate(words | wrong)
@@ -155,8 +157,8 @@ def test_a_claim_may_use_cycle_times() -> None:
     """A cycle time is a number of the runs of the timing table; without it the claim is undecided."""
     timed = claim(measures={"slowest": {"timing": "median", "of": "all"}}, holds_if="slowest < 1000")
     times = CycleTimes(30.0, 20.0, 90.0, 100).metrics()
-    assert judge(timed, figure(timed), flown(flight(cycle_times=times))).found.startswith("20.0 s")
-    assert judge(timed, figure(timed), flown(flight())).verdict == UNDECIDED
+    assert judge(timed, figure(timed), finished(data(cycle_times=times))).found.startswith("20.0 s")
+    assert judge(timed, figure(timed), finished(data())).verdict == UNDECIDED
 
 
 @pytest.mark.parametrize(
@@ -209,8 +211,8 @@ def test_ticks_without_a_value_do_not_count() -> None:
 
 def test_pairs_are_judged_where_both_have_the_number() -> None:
     """``only_if`` leaves the runs whose partners of the same seed have a number, in every group it names."""
-    quick = flown(flight(1.0), flight(2.0), flight(None), group="quick")
-    slow = flown(flight(5.0), flight(9.0, reason="controller: had enough"), flight(7.0), group="slow")
+    quick = finished(data(1.0), data(2.0), data(None), group="quick")
+    slow = finished(data(5.0), data(9.0, reason="controller: had enough"), data(7.0), group="slow")
     partners = {"metric": "settling", "of": ["quick", "slow"]}
     measure = {"metric": "settling", "of": "slow", "reduce": "sum", "missing": "skip"}
     both = claim(
@@ -226,9 +228,9 @@ def test_pairs_are_judged_where_both_have_the_number() -> None:
 def test_derived_numbers_are_formulas_over_the_measures() -> None:
     """A claim may speak of a saving: computed once, usable in condition and text, undecided where it has no value."""
     saving = claim(derived={"saving": "100 * (1 - slowest / 8)"}, holds_if="saving > 50", found="{saving:.0f} %")
-    assert judge(saving, figure(saving), flown(flight(2.0))).found == "75 %"
+    assert judge(saving, figure(saving), finished(data(2.0))).found == "75 %"
     nothing = claim(derived={"part": "1 / (slowest - slowest)"}, holds_if="part > 50")
-    assert judge(nothing, figure(nothing), flown(flight(2.0))).verdict == UNDECIDED
+    assert judge(nothing, figure(nothing), finished(data(2.0))).verdict == UNDECIDED
     for wrong in ({"n": "1 + 1"}, {"slowest": "1 + 1"}, {"part": "other * 2"}):
         with pytest.raises(SpecError, match="figures"):
             check_words(claim(derived=wrong), "figures.8.claims.0")
@@ -236,7 +238,24 @@ def test_derived_numbers_are_formulas_over_the_measures() -> None:
 
 def test_draws_of_a_campaign_are_counted_as_such() -> None:
     """Runs of a campaign are told by their number, not by a drawn seed of sixteen digits."""
-    runs = flown(flight(1.0), flight(2.0))
+    runs = finished(data(1.0), data(2.0))
     cases = [(replace(run, values={"run": place}), one) for place, (run, one) in enumerate(runs)]
     judged = judge(claim(), figure(claim()), cases)
     assert (judged.seeds, judged.draws) == ((), (0, 1))
+
+
+def test_a_run_comes_back_from_plain_data_to_the_last_bit() -> None:
+    """What a journal holds of a run is JSON, and gives every number, curve and missing value of it again."""
+    asked = {
+        Quantity(signal="base.error", take="max"): 0.1 + 0.2,
+        Quantity(signal="x", take="settled", below=1.0): None,
+    }
+    curves = {"base.error": np.array([0.1, np.nan, -0.0, 1e-310]), "x": np.array([np.inf])}
+    one = data(1 / 3, broken=("energy_residual",), taken=asked | {Quantity(signal="y", take="rms"): np.inf})
+    one = replace(one, time=np.linspace(0.0, 1.0, 4), curves=curves, warnings=("w",), bag=True, lost=True)
+    back = RunData.from_columns(json.loads(json.dumps(one.to_columns(), allow_nan=False)))
+    for name in ("end_reason", "broken", "metrics", "largest", "taken", "warnings", "bag", "lost"):
+        assert getattr(back, name) == getattr(one, name), name
+    for name, curve in {"time": one.time, **curves}.items():
+        there = back.time if name == "time" else back.curves[name]
+        assert there.tobytes() == curve.tobytes()

@@ -1,4 +1,4 @@
-"""From a manifest to flights: every combination once, under a name and with a command of its own."""
+"""From a manifest to runs: every combination once, under a name and with a command of its own."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def test_sweeps_and_seeds_are_combined(tmp_path: Path) -> None:
     want = [f"l control_period {period}, seed {seed}" for period in (0.25, 0.5) for seed in (3, 5)]
     assert [run.label for run in runs] == want
     assert [run.values for run in runs][1] == {PERIOD: 0.25, "seed": 5}
-    assert [run.flight.experiment.seed for run in runs] == [3, 5, 3, 5]
-    assert len(made.flights(["a"])) == 4
+    assert [run.distinct.experiment.seed for run in runs] == [3, 5, 3, 5]
+    assert len(made.distinct_runs(["a"])) == 4
 
 
 def test_one_varying_key_is_told_by_its_value_alone(tmp_path: Path) -> None:
@@ -48,15 +48,15 @@ def test_one_varying_key_is_told_by_its_value_alone(tmp_path: Path) -> None:
     assert labels == ["prior 1", "prior 2", "prior 3", "l 0.25", "l 0.5", "real"]
 
 
-def test_equal_runs_are_flown_once_whatever_they_are_called(tmp_path: Path) -> None:
-    """Two figures that show the same experiment share its flight, also when it is said in another way."""
+def test_equal_runs_are_done_once_whatever_they_are_called(tmp_path: Path) -> None:
+    """Two figures that show the same experiment share its run, also when it is said in another way."""
     made = plan(
         tmp_path,
         "real: {experiment: liu2023/fig08}",
         f"sweep: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5], seed: [0]}}}}",
     )
-    assert made.runs["a"]["real"][0].flight is made.runs["b"]["sweep"][0].flight
-    assert len(made.flights(["a", "b"])) == 2
+    assert made.runs["a"]["real"][0].distinct is made.runs["b"]["sweep"][0].distinct
+    assert len(made.distinct_runs(["a", "b"])) == 2
 
 
 def test_different_runs_have_different_names(tmp_path: Path) -> None:
@@ -66,10 +66,10 @@ def test_different_runs_have_different_names(tmp_path: Path) -> None:
         'x: {experiment: liu2023/fig08, set: {title: "a/b"}}, y: {experiment: liu2023/fig08, set: {title: "a b"}}',
         f"z: {{experiment: liu2023/fig08, set: {long!r}, seeds: [1, 2]}}",
     )
-    flights = plan(tmp_path, *groups).flights(["a", "b"])
-    assert len(flights) == 4
-    assert all(len(name) < 100 and "/" not in name and " " not in name for name in flights)
-    assert set(plan(tmp_path, *groups).flights(["b"])) < set(flights)
+    runs = plan(tmp_path, *groups).distinct_runs(["a", "b"])
+    assert len(runs) == 4
+    assert all(len(name) < 100 and "/" not in name and " " not in name for name in runs)
+    assert set(plan(tmp_path, *groups).distinct_runs(["b"])) < set(runs)
 
 
 @pytest.mark.parametrize(
@@ -82,13 +82,13 @@ def test_different_runs_have_different_names(tmp_path: Path) -> None:
         {"nominal.dispersion.eta": 0.1, "seed": 7},
     ],
 )
-def test_the_command_gives_the_experiment_that_is_flown(tmp_path: Path, values: dict[str, Any]) -> None:
+def test_the_command_gives_the_experiment_that_is_run(tmp_path: Path, values: dict[str, Any]) -> None:
     """What a shell makes of the command is the planned experiment, every value of it."""
     (run,) = plan(tmp_path, f"x: {{experiment: liu2023/fig08, set: {json.dumps(values)}}}").runs["a"]["x"]
-    program, verb, argument, *options = shlex.split(run.flight.command)
+    program, verb, argument, *options = shlex.split(run.distinct.command)
     assert (program, verb) == ("space-robot", "run")
     assert options[::2] == ["--set"] * len(values)
-    assert load_experiment(argument, options[1::2]) == run.flight.experiment
+    assert load_experiment(argument, options[1::2]) == run.distinct.experiment
 
 
 def test_an_experiment_beside_the_manifest_is_found(tmp_path: Path) -> None:
@@ -97,8 +97,8 @@ def test_an_experiment_beside_the_manifest_is_found(tmp_path: Path) -> None:
         "robot: mini\ncontrol_period: 0.25\nduration: 1.0\nreference: {kind: hold}\ninitial: {joints_deg: 20}\n"
     )
     (run,) = plan(tmp_path, "x: {experiment: mine.yaml}").runs["a"]["x"]
-    assert run.flight.argument == str(tmp_path / "mine.yaml")
-    assert run.flight.experiment.duration == 1.0
+    assert run.distinct.argument == str(tmp_path / "mine.yaml")
+    assert run.distinct.experiment.duration == 1.0
 
 
 @pytest.mark.parametrize(
@@ -172,12 +172,12 @@ def test_the_cases_of_a_campaign_become_its_runs(tmp_path: Path) -> None:
     for run, point in zip(runs, [2, 2, 2, 3, 3, 3], strict=True):
         case = make_case(campaign, run.values["run"] * 4 + point)
         want = case.experiment().model_copy(update={"robot": "mini"})
-        assert run.flight.experiment == want
-        _, _, argument, *options = shlex.split(run.flight.command)
+        assert run.distinct.experiment == want
+        _, _, argument, *options = shlex.split(run.distinct.command)
         assert load_experiment(argument, options[1::2]) == want
         assert (run.seed, run.source) == (case.seed, ("draw", case.run))
     assert {run.values["controller.gains"] for run in runs} == {"soft", "hard"}
-    assert len({run.flight.name for run in runs}) == 6
+    assert len({run.distinct.name for run in runs}) == 6
 
 
 def test_what_is_set_of_a_campaign_changes_no_draw(tmp_path: Path) -> None:
@@ -189,9 +189,9 @@ def test_what_is_set_of_a_campaign_changes_no_draw(tmp_path: Path) -> None:
         f"x: {{campaign: c.yaml, {at}}}, y: {{campaign: c.yaml, runs: 2, {at}, set: {{controller.gains.lambda: 3}}}}",
     ).runs["a"]
     for x, y in zip(made["x"], made["y"], strict=False):
-        assert x.flight.experiment.initial == y.flight.experiment.initial
+        assert x.distinct.experiment.initial == y.distinct.experiment.initial
         assert (x.seed, x.label.replace("x", "y")) == (y.seed, y.label)
-    assert [run.flight.experiment.controller.gains for run in made["y"]] == [{"lambda": 3}] * 2
+    assert [run.distinct.experiment.controller.gains for run in made["y"]] == [{"lambda": 3}] * 2
 
 
 @pytest.mark.parametrize(

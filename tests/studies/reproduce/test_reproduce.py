@@ -1,10 +1,12 @@
-"""A manifest becomes bags, pictures, verdicts and a page; the same ones whatever flies them."""
+"""A manifest becomes bags, pictures, verdicts and a page; the same ones whatever runs them."""
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,10 +19,10 @@ from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_description.validation import parse_yaml_text
 from space_robot_studies.campaign.cases import make_case
-from space_robot_studies.campaign.run_case import fly_case
+from space_robot_studies.campaign.run_case import run_case
 from space_robot_studies.campaign.spec import load_campaign
 from space_robot_studies.reproduce.plan import load_plan
-from space_robot_studies.reproduce.run import Job, fly
+from space_robot_studies.reproduce.run import Job, run_job
 from tests.support.nonempty import nonempty
 from tests.support.tool import Tool, refused
 
@@ -82,6 +84,14 @@ class Failing(Law):
             raise ControlError("had enough")
         return np.zeros(6 + self.n), {}
 """
+DEADLY = """
+import os
+from space_robot_control.laws import Law
+
+class Deadly(Law):
+    def compute(self, state, reference):
+        os._exit(9)
+"""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -111,7 +121,7 @@ def without_times(folder: Path) -> str:
 
 
 def test_one_and_two_workers_give_the_same_bits(space_robot: Tool, tmp_path: Path) -> None:
-    """Bags, pictures and claims do not depend on the number of processes; runs two figures share are flown once."""
+    """Bags, pictures and claims do not depend on the number of processes; runs two figures share are done once."""
     write(tmp_path)
     for count in ("1", "2"):
         done = space_robot("reproduce", "paper.yaml", "--workers", count, "--out", count)
@@ -126,7 +136,7 @@ def test_one_and_two_workers_give_the_same_bits(space_robot: Tool, tmp_path: Pat
 
 
 def test_the_command_of_a_run_gives_its_bag(space_robot: Tool, tmp_path: Path) -> None:
-    """A command copied from the page flies that run alone, to the same bytes."""
+    """A command copied from the page does that run alone, to the same bytes."""
     write(tmp_path)
     assert space_robot("reproduce", "paper.yaml", "--figure", "8").returncode == 0
     for run in nonempty(claims(tmp_path / "out" / "paper")["figures"][0]["runs"]):
@@ -164,7 +174,7 @@ def test_the_page_has_everything_and_needs_nothing(space_robot: Tool, tmp_path: 
     assert "brackets [red]" in done.stdout
 
 
-def test_only_the_chosen_figure_is_flown(space_robot: Tool, tmp_path: Path) -> None:
+def test_only_the_chosen_figure_is_run(space_robot: Tool, tmp_path: Path) -> None:
     """--figure leaves the others alone; --json prints claims.json and nothing else."""
     write(tmp_path)
     done = space_robot("reproduce", "paper.yaml", "--figure", "gain", "--json", "--out", "here")
@@ -279,7 +289,7 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "no reason": ({"claims": [{"paper": "p", "verdict": "not checkable"}]}, ("claims.0", "because")),
     "a run nobody can compose": (
         {"runs": {"real": {"experiment": "liu2023/fig08", "set": {"controller.gains.lambda": -1}}}},
-        ("figures.8.runs.real", "real cannot be flown", "lambda"),
+        ("figures.8.runs.real", "real cannot be run", "lambda"),
     ),
     "two runs of one label": (
         {"runs": {"a": {"experiment": "liu2023/fig08", "seeds": [1, 2]}, "a 1": {"experiment": "liu2023/fig08"}}},
@@ -293,7 +303,7 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
 def test_a_bad_manifest_gets_one_line_and_leaves_nothing(
     space_robot: Tool, tmp_path: Path, changes: dict[str, Any], words: tuple[str, ...]
 ) -> None:
-    """Every mistake is found before anything is flown: key path, value and what would do, exit 2, nothing written."""
+    """Every mistake is found before the first run: key path, value and what would do, exit 2, nothing written."""
     emptied: dict[str, Any] = {"panels": [], "tables": [], "claims": []}
     write(tmp_path, **(emptied | changes))
     before = set(tmp_path.rglob("*"))
@@ -307,6 +317,7 @@ def test_a_bad_manifest_gets_one_line_and_leaves_nothing(
         (("papr.yaml",), ("paper", "papr.yaml")),
         (("paper.yaml", "--figure", "gian"), ("--figure", "gian", "gain")),
         (("paper.yaml", "--workers", "0"), ("--workers", "0")),
+        (("paper.yaml", "--time-limit", "-1"), ("--time-limit", "-1")),
         (("paper.yaml", "--out", "precious"), ("--out", "precious")),
         (("paper.yaml", "--out", "paper.yaml"), ("--out", "paper.yaml")),
         (("paper.yaml", "--markdown", "no/where.md"), ("--markdown", "no/where.md")),
@@ -327,35 +338,84 @@ def test_bad_options_get_one_line_and_leave_nothing(
 def test_without_the_drawing_libraries_it_says_what_to_install(
     space_robot: Tool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Without matplotlib or jinja2 nothing is flown and the extra is named."""
+    """Without matplotlib or jinja2 nothing is run and the extra is named."""
     write(tmp_path)
     monkeypatch.setitem(sys.modules, "jinja2", None)
-    for name in ("html", "page", "paper_report"):
-        monkeypatch.delitem(sys.modules, f"space_robot_report.{name}", raising=False)
+    for name in ("html", "paper_report"):
+        monkeypatch.delitem(sys.modules, f"space_robot_report.pages.{name}", raising=False)
     refused(space_robot("reproduce", "paper.yaml"), "jinja2", "space-robot[viz]")
     assert not (tmp_path / "out").exists()
 
 
-def test_an_interrupt_ends_it_without_a_verdict(tmp_path: Path) -> None:
-    """Ctrl-C ends workers and parent, judges nothing, leaves no page and no traceback; a later call starts afresh."""
-    runs = {"many": {"experiment": "liu2023/fig08", "set": {"duration": 200.0}, "seeds": {"count": 60}}}
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_without_a_verdict_and_it_can_be_resumed(
+    space_robot: Tool, tmp_path: Path, number: signal.Signals
+) -> None:
+    """A signal ends workers and parent in one line, judges nothing, leaves no page; --resume does only the rest."""
+    runs = {"many": {"experiment": "liu2023/fig08", "set": {"duration": 20.0}, "seeds": {"count": 24}}}
     write(tmp_path, runs=runs, panels=[{"signals": ["base.error"]}], tables=[], claims=[], keep="all")
     command = [sys.executable, "-m", "space_robot_cli", "reproduce", "paper.yaml", "--figure", "8"]
     with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True) as tool:
         assert tool.stderr is not None
         # A quarter is done when the first line comes.
         assert tool.stderr.readline().startswith("run ")
-        tool.send_signal(signal.SIGINT)
+        os.killpg(tool.pid, number)
         said = tool.stderr.read()
         assert tool.wait(timeout=60) == 1
-    assert "interrupted" in said
+    word = "interrupted" if number == signal.SIGINT else "terminated"
+    assert f"{word}: finished runs are kept; go on with --resume" in said
     assert "Traceback" not in said
-    assert not (tmp_path / "out" / "paper" / "index.html").exists()
-    logs = list((tmp_path / "out").glob("paper/runs/*/metadata.yaml"))
-    assert logs
-    assert {"end_reason: interrupted", "end_reason: completed"} >= {
-        word for log in logs for word in re.findall(r"end_reason: \w+", log.read_text())
-    }
+    place = tmp_path / "out" / "paper"
+    assert not (place / "index.html").exists()
+    rows = (place / "rows.jsonl").read_text().splitlines()[1:]
+    assert 6 <= len(rows) < 24
+    assert space_robot("reproduce", "paper.yaml", "--figure", "8", "--resume").returncode == 0
+    assert (place / "rows.jsonl").read_text().splitlines()[1 : 1 + len(rows)] == rows
+    assert len((place / "rows.jsonl").read_text().splitlines()) == 25
+
+
+def test_what_is_resumed_is_what_would_be_run(space_robot: Tool, tmp_path: Path) -> None:
+    """Page and claims of a resumed reproduction are those of one at a stretch; what has changed is run again."""
+    write(tmp_path)
+    assert space_robot("reproduce", "paper.yaml").returncode == 0
+    place = tmp_path / "out" / "paper"
+    before, pictures = without_times(place), [(place / name).read_bytes() for name in ("fig08.png", "gain.png")]
+    lines = (place / "rows.jsonl").read_text().splitlines()
+    # A torn line, a run whose bag is gone, and one that has not been done.
+    names = [json.loads(line)["key"] for line in lines[1:]]
+    shutil.rmtree(place / "runs" / names[0])
+    (place / "rows.jsonl").write_text("\n".join(lines[:-1]) + "\n" + lines[-1][:50])
+    assert space_robot("reproduce", "paper.yaml", "--resume").returncode == 0
+    assert without_times(place) == before
+    assert [(place / name).read_bytes() for name in ("fig08.png", "gain.png")] == pictures
+    again = [json.loads(line)["key"] for line in (place / "rows.jsonl").read_text().splitlines()[len(lines) - 1 :]]
+    assert sorted(again) == sorted([names[0], names[-1]])
+    write(tmp_path, MANIFEST.replace("nominal.dispersion.eta: 0.2", "nominal.dispersion.eta: 0.1"))
+    rows = len((place / "rows.jsonl").read_text().splitlines())
+    assert space_robot("reproduce", "paper.yaml", "--resume").returncode == 0
+    assert len((place / "rows.jsonl").read_text().splitlines()) == rows + 2
+
+
+def test_a_run_that_is_lost_is_never_expected(space_robot: Tool, tmp_path: Path) -> None:
+    """A law that kills its worker fails the reproduction, also where a group may fail; the other runs are there."""
+    (tmp_path / "deadly.py").write_text(DEADLY)
+    bad = {"experiment": "liu2023/fig08", "set": {"controller": {"law": "deadly.py:Deadly"}}, "may_fail": True}
+    fine = {"experiment": "liu2023/fig08", "set": {"duration": 2.0}}
+    write(tmp_path, runs={"bad": bad, "fine": fine}, claims=[], panels=[], tables=[], keep="none")
+    done = space_robot("reproduce", "paper.yaml", "--figure", "8")
+    assert done.returncode == 1
+    assert "failed: bad: lost: the worker process exited with status 9" in done.stdout
+    assert [run["completed"] for run in claims(tmp_path / "out" / "paper")["figures"][0]["runs"]] == [False, True]
+
+
+def test_a_campaigns_directory_is_left_alone(space_robot: Tool, tmp_path: Path) -> None:
+    """A reproduction goes into no directory of a campaign, whose rows it would replace."""
+    write(tmp_path)
+    (tmp_path / "mc" / "runs").mkdir(parents=True)
+    for name in ("resolved.yaml", "rows.jsonl"):
+        (tmp_path / "mc" / name).write_text("years")
+    refused(space_robot("reproduce", "paper.yaml", "--out", "mc"), "--out", "holds a campaign")
+    assert (tmp_path / "mc" / "rows.jsonl").read_text() == "years"
 
 
 def test_a_case_has_the_bits_the_campaign_flies(tmp_path: Path) -> None:
@@ -364,19 +424,19 @@ def test_a_case_has_the_bits_the_campaign_flies(tmp_path: Path) -> None:
     (tmp_path / "paper.yaml").write_text(json.dumps({"title": "t", "citation": "c", "figures": manifest}))
     campaign = load_campaign("giordano2023/sec5_euler")
     for run in nonempty(load_plan(str(tmp_path / "paper.yaml")).runs["8"]["x"]):
-        overrides = (*run.flight.overrides, "duration=3.0")
-        shown = fly(Job(run.flight.argument, overrides, tmp_path / run.flight.name, (), (), "none"))
+        overrides = (*run.distinct.overrides, "duration=3.0")
+        shown = run_job(Job(run.distinct.argument, overrides, tmp_path / run.distinct.name, (), (), "none"))
         data = dict(make_case(campaign, run.values["run"]).data) | {"duration": 3.0}
-        columns = fly_case(data, "case", "none").columns
+        columns = run_case(data, "case", "none").columns
         assert shown.completed
         assert len(shown.metrics) > 50
         assert shown.metrics == {name: columns[name] for name in shown.metrics}
 
 
-def test_a_draw_that_cannot_be_flown_is_a_failed_run(tmp_path: Path) -> None:
-    """What only one case of a campaign draws is found when it is flown: it fails with its reason, and leaves no bag."""
+def test_a_draw_that_cannot_be_run_is_a_failed_run(tmp_path: Path) -> None:
+    """What only one case of a campaign draws is found when it is run: it fails with its reason, and leaves no bag."""
     job = Job("liu2023/fig08", ("plant.payload={mass: 1, inertia: [1, 1, 9]}",), tmp_path / "x", (), (), "all")
-    flight = fly(job)
-    assert not flight.completed
-    assert flight.end_reason.startswith("cannot be flown: link payload")
+    data = run_job(job)
+    assert not data.completed
+    assert data.end_reason.startswith("cannot be run: link payload")
     assert not (tmp_path / "x").exists()

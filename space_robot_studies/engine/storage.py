@@ -1,4 +1,4 @@
-"""The directory of a campaign: what the disk refuses becomes one error."""
+"""The directory of a study: what the disk refuses becomes one error."""
 
 from __future__ import annotations
 
@@ -23,4 +23,4 @@ def guarded(directory: Path) -> Iterator[None]:
     except (OSError, ValueError) as error:
         # A null byte in a name is a ValueError.
         reason = getattr(error, "strerror", None) or str(error)
-        raise LogError(f"no campaign can be kept here: {reason}", key=str(directory)) from None
+        raise LogError(f"nothing can be kept here: {reason}", key=str(directory)) from None

@@ -1,0 +1,125 @@
+"""The directory of a campaign: what it must hold to be begun or resumed, and its resolved file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from space_robot_bringup.experiment.experiment import dump_yaml
+from space_robot_description.validation import parse_yaml, validate
+from space_robot_msgs_py.atomic_file import TEMPORARY, write_atomically
+from space_robot_msgs_py.bounded_files import is_file, short
+from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
+from space_robot_studies.campaign.spec import Campaign
+from space_robot_studies.engine.journal import Journal, Row, check_columns, finished_rows, locked, open_journal
+from space_robot_studies.engine.storage import guarded
+
+CAMPAIGN = "resolved.yaml"
+# What every row of the table has, see ``table.FIXED``.
+COLUMNS: Mapping[str, type] = {
+    "index": int,
+    "run": int,
+    "seed": int,
+    "end_reason": str,
+    "completed": bool,
+    "passed": bool,
+    "failed": str,
+    "ticks": int,
+}
+
+
+def begun_campaign(directory: Path) -> Campaign:
+    """The resolved campaign of a directory.
+
+    Raises:
+        InputFileError: there is none.
+    """
+    path = directory / CAMPAIGN
+    if not is_file(path):
+        raise InputFileError("holds no campaign", key=short(directory), accepted=f"a directory with {CAMPAIGN}")
+    return validate(Campaign, parse_yaml(path), str(path))
+
+
+def campaign_rows(directory: Path) -> tuple[dict[str, str], dict[int, Row]]:
+    """The versions a campaign is run with, and its rows so far by index.
+
+    Raises:
+        LogError: the rows are corrupted.
+    """
+    versions, rows = finished_rows(directory)
+    return versions, {_index(row): row for row in rows.values()}
+
+
+def _index(row: Row) -> int:
+    check_columns(row, COLUMNS)
+    if not isinstance(row.key, int) or row.columns["index"] != row.key:
+        raise LogError("its number is not that of its case", key=f"row {row.key}")
+    return row.key
+
+
+def check_directory(directory: Path, campaign: Campaign, *, resume: bool) -> None:
+    """Refuse a directory this campaign cannot begin or be resumed in; nothing is written.
+
+    Raises:
+        SpecError: it holds something else, or this campaign and ``resume`` was not given.
+        LogError: there can be no such directory.
+    """
+    key, new = "--out", "a new or empty directory"
+    with guarded(directory):
+        there = directory.exists()
+        if there and not directory.is_dir():
+            raise SpecError("is a file", key=key, value=str(directory), accepted=new)
+        begun = (directory / CAMPAIGN).exists()
+        if not begun and there and any(path.suffix != TEMPORARY for path in directory.iterdir()):
+            raise SpecError("not empty and not a campaign", key=key, value=str(directory), accepted=new)
+    if not begun:
+        return
+    if not resume:
+        raise SpecError("holds a campaign", key=key, value=str(directory), accepted=f"--resume, or {new}")
+    before, now = _identity(begun_campaign(directory)), _identity(campaign)
+    different = [name for name in sorted(before.keys() | now.keys()) if before.get(name) != now.get(name)]
+    if different:
+        what = f"holds another campaign (not the same: {', '.join(different)})"
+        raise SpecError(what, key=key, value=str(directory), accepted="the campaign it was begun with")
+
+
+@contextmanager
+def open_campaign(
+    directory: Path, campaign: Campaign, versions: Mapping[str, str], time_limit: float
+) -> Iterator[Journal]:
+    """Begin or resume in a directory that ``check_directory`` lets pass.
+
+    Args:
+        directory: it is locked meanwhile.
+        campaign: resolved.
+        versions: of everything that can change the bits of a run.
+        time_limit: [s] of CPU time of a run.
+
+    Raises:
+        SpecError: another process is at work in it, it was begun with other versions, or has more rows than cases.
+        LogError: nothing can be written there.
+    """
+    with locked(directory):
+        resolved = to_yaml(campaign).encode()
+        with guarded(directory):
+            # First, so that a crash right here leaves a campaign that can be resumed.
+            if not (directory / CAMPAIGN).exists():
+                write_atomically(directory / CAMPAIGN, resolved)
+        with open_journal(directory, versions, time_limit) as journal:
+            if any(_index(row) >= campaign.cases for row in journal.rows.values()):
+                raise SpecError("fewer than were run", key="runs", value=campaign.runs, accepted="as many or more")
+            with guarded(directory):
+                write_atomically(directory / CAMPAIGN, resolved)
+            yield journal
+
+
+def to_yaml(campaign: Campaign) -> str:
+    """The campaign as YAML text; a resolved one can be run from it without any other file."""
+    return dump_yaml(campaign.model_dump(mode="json", exclude_unset=True))
+
+
+def _identity(campaign: Campaign) -> dict[str, Any]:
+    """Everything but the number of runs: more of them leave the finished ones as they are."""
+    return campaign.model_dump(mode="json", exclude={"runs"})

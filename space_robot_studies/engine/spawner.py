@@ -1,0 +1,263 @@
+"""The spawner: a process with one thread that forks workers and says how they ended.
+
+Forking a process with several threads may copy a lock that is never released. The spawner never has a second thread, so
+that a worker is there within milliseconds at any time, with everything loaded that the spawner has loaded.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection, wait
+from multiprocessing.reduction import recv_handle, send_handle
+from typing import Any
+
+from space_robot_msgs_py.errors import SilenceError
+from space_robot_studies.engine.pinned import PINNED
+from space_robot_studies.engine.worker import settle, work
+
+END_SECONDS = 3.0
+POLL_SECONDS = 0.2
+START = (
+    "import sys; sys.path[:] = {path!r}; from space_robot_studies.engine.spawner import main; main(int(sys.argv[1]))"
+)
+
+
+class WorkerProcess:
+    """One worker.
+
+    Attributes:
+        pid: of the process.
+        connection: tasks go in, results come out; at its end when the process has ended.
+    """
+
+    def __init__(self, pid: int, connection: Connection) -> None:
+        self.pid, self.connection = pid, connection
+
+
+class Spawner:
+    """The parent's end of a spawner; it has to be closed.
+
+    A process with one thread forks it, which takes milliseconds and keeps what is loaded; otherwise a new interpreter
+    is started, which takes about a second.
+    """
+
+    def __init__(self) -> None:
+        ours, theirs = socket.socketpair()
+        self._end = _fork(ours, theirs) if _single_threaded() else _execute(theirs)
+        theirs.close()
+        self._socket, self._channel = ours, Connection(os.dup(ours.fileno()))
+        self._ended: dict[int, int] = {}
+
+    def prepare(self, function: Callable[..., object], arguments: tuple[Any, ...], stop: Callable[[], object]) -> None:
+        """Call a function in the spawner, so that what it loads or compiles is there in every worker.
+
+        Args:
+            function: of a module; what it raises is left to the runs to report.
+            arguments: picklable.
+            stop: asked meanwhile; a reason ends the wait.
+        """
+        self._send(("prepare", function, arguments))
+        while not wait([self._channel], POLL_SECONDS):
+            if stop() is not None:
+                return
+        self._receive("prepared")
+
+    def start(self) -> WorkerProcess:
+        """A new worker.
+
+        Raises:
+            SilenceError: the system has no room for another process, or the spawner is gone.
+        """
+        ours, theirs = socket.socketpair()
+        with ours, theirs:
+            self._send(("start",))
+            try:
+                send_handle(self._channel, theirs.fileno(), None)
+            except OSError:
+                raise _gone() from None
+            pid = self._receive("started")
+            self._ended.pop(pid, None)
+            return WorkerProcess(pid, Connection(os.dup(ours.fileno())))
+
+    def kill(self, worker: WorkerProcess) -> None:
+        """End a worker at once; only the spawner does, because it knows which processes are still its own."""
+        worker.connection.close()
+        if worker.pid not in self._ended:
+            with suppress(SilenceError):
+                self._send(("kill", worker.pid))
+
+    def exit_code(self, worker: WorkerProcess) -> int | None:
+        """How a worker ended whose connection is at its end: a status, or minus a signal; None: nobody knows."""
+        while worker.pid not in self._ended:
+            if not wait([self._channel], END_SECONDS):
+                return None
+            self._note(self._next())
+        return self._ended[worker.pid]
+
+    def close(self) -> None:
+        """End the workers and the spawner; nothing is left on return."""
+        with suppress(OSError):
+            self._socket.shutdown(socket.SHUT_WR)
+        with suppress(SilenceError):
+            while wait([self._channel], END_SECONDS):
+                self._next()
+        self._channel.close()
+        self._socket.close()
+        self._end()
+
+    def _send(self, message: tuple[Any, ...]) -> None:
+        try:
+            self._channel.send(message)
+        except OSError:
+            raise _gone() from None
+
+    def _receive(self, word: str) -> int:
+        while (message := self._next())[0] != word:
+            if message[0] == "refused":
+                raise SilenceError(f"no worker process can be started ({message[1]})", key="--workers")
+            self._note(message)
+        return int(message[1])
+
+    def _note(self, message: tuple[Any, ...]) -> None:
+        if message[0] == "ended":
+            self._ended[message[1]] = message[2]
+
+    def _next(self) -> tuple[Any, ...]:
+        try:
+            message: tuple[Any, ...] = self._channel.recv()
+        except (EOFError, OSError):
+            raise _gone() from None
+        return message
+
+
+def _gone() -> SilenceError:
+    return SilenceError("the process that starts workers is gone", key="--workers", accepted="--resume")
+
+
+def _single_threaded() -> bool:
+    """Whether this process is known to have one thread, those of libraries counted."""
+    try:
+        return len(os.listdir("/proc/self/task")) == 1
+    except OSError:
+        return False
+
+
+def _fork(ours: socket.socket, theirs: socket.socket) -> Callable[[], None]:
+    # Else what is buffered would be written twice.
+    sys.stdout.flush()
+    sys.stderr.flush()
+    pid = os.fork()
+    if pid == 0:
+        try:
+            ours.close()
+            serve(Connection(theirs.detach()))
+        finally:
+            os._exit(0)
+
+    def end() -> None:
+        with suppress(ChildProcessError, ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+            os.waitpid(pid, 0)
+
+    return end
+
+
+def _execute(theirs: socket.socket) -> Callable[[], None]:
+    command = [sys.executable, "-c", START.format(path=sys.path, module=__name__), str(theirs.fileno())]
+    process = subprocess.Popen(command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, env=os.environ | PINNED)
+
+    def end() -> None:
+        process.kill()
+        process.wait()
+
+    return end
+
+
+def main(descriptor: int) -> None:
+    """A spawner in an interpreter of its own."""
+    serve(Connection(descriptor))
+
+
+def serve(channel: Connection) -> None:
+    """Start and end workers on the parent's word; end with all of them when the parent closes its end, or dies."""
+    settle()
+    wake, alarm = socket.socketpair()
+    for end in (wake, alarm):
+        end.setblocking(False)
+    signal.set_wakeup_fd(alarm.fileno(), warn_on_full_buffer=False)
+    # With a handler of Python's a signal is written to the pipe.
+    signal.signal(signal.SIGCHLD, lambda number, frame: None)
+    children: set[int] = set()
+    try:
+        while True:
+            for ready in wait([channel, wake]):
+                if ready is channel:
+                    _obey(channel.recv(), channel, children, (wake, alarm))
+                else:
+                    with suppress(BlockingIOError):
+                        wake.recv(4096)
+            _report(channel, children)
+    except (EOFError, OSError):
+        return
+    finally:
+        for pid in children:
+            os.kill(pid, signal.SIGKILL)
+            os.waitpid(pid, 0)
+
+
+def _obey(
+    message: tuple[Any, ...], channel: Connection, children: set[int], signals: tuple[socket.socket, ...]
+) -> None:
+    match message:
+        case ("prepare", function, arguments):
+            with suppress(BaseException):
+                function(*arguments)
+            channel.send(("prepared", 0))
+        case ("start",):
+            channel.send(_start(recv_handle(channel), channel, children, signals))
+        case ("kill", pid) if pid in children:
+            os.kill(pid, signal.SIGKILL)
+
+
+def _start(
+    descriptor: int, channel: Connection, children: set[int], signals: tuple[socket.socket, ...]
+) -> tuple[str, int | str]:
+    try:
+        pid = os.fork()
+    except OSError as error:
+        return "refused", str(error.strerror)
+    else:
+        if pid == 0:
+            _become_worker(descriptor, channel, signals)
+        children.add(pid)
+        return "started", pid
+    finally:
+        os.close(descriptor)
+
+
+def _become_worker(descriptor: int, channel: Connection, signals: tuple[socket.socket, ...]) -> None:
+    try:
+        signal.set_wakeup_fd(-1)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        channel.close()
+        for end in signals:
+            end.close()
+        work(Connection(descriptor))
+        os._exit(0)
+    finally:
+        os._exit(1)
+
+
+def _report(channel: Connection, children: set[int]) -> None:
+    """Say which workers have ended."""
+    for pid in list(children):
+        done, status = os.waitpid(pid, os.WNOHANG)
+        if done:
+            children.discard(pid)
+            channel.send(("ended", pid, os.waitstatus_to_exitcode(status)))
