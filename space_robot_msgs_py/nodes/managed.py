@@ -36,6 +36,7 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         self._refusal: Exception | None = None
         if steered:
             _refuse_politely(self._service_change_state)
+            self.replies.guard(self.services)
         self._permanent = {id(handle) for handle in self._handles()}
 
     @abstractmethod
