@@ -106,6 +106,11 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         self.end(f"{self.get_name()}: shut down")
         return TransitionCallbackReturn.SUCCESS
 
+    def destroy_node(self) -> None:
+        """Leave nothing in the graph, where rclpy keeps the services of the life cycle until a garbage collection."""
+        self._state_machine.destroy_when_not_in_use()
+        super().destroy_node()
+
     def _try(self, *actions: Callable[[], None]) -> TransitionCallbackReturn:
         try:
             for action in actions:
