@@ -26,8 +26,10 @@ Spawn = Callable[..., "subprocess.Popen[str]"]
 def end(child: subprocess.Popen[str] | Fork) -> None:
     """Leave nothing of a process: it is killed, with its session where it leads one, and its pipes are closed."""
     if child.poll() is None:
-        if os.getpgid(child.pid) == child.pid:
-            os.killpg(child.pid, signal.SIGKILL)
+        # It may have ended just now.
+        with contextlib.suppress(ProcessLookupError):
+            if os.getpgid(child.pid) == child.pid:
+                os.killpg(child.pid, signal.SIGKILL)
         child.kill()
         child.wait()
     for pipe in (child.stdin, child.stdout, child.stderr) if isinstance(child, subprocess.Popen) else ():

@@ -13,7 +13,8 @@ import pytest
 pytest.importorskip("rclpy")
 from rclpy.exceptions import InvalidHandle
 
-from space_robot_bringup.modes.context import make_executor, private_context
+from space_robot_bringup.modes.context import private_context
+from space_robot_bringup.modes.graph import make_executor
 from space_robot_msgs_py.nodes import replies
 from space_robot_msgs_py.nodes.base import GraphNode
 
