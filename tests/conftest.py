@@ -1,15 +1,35 @@
-"""Fixtures of the tests that fly."""
+"""What holds for all tests, and fixtures of those that fly."""
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from space_robot_cli.main import main
+from tests.support.follow import Spawn, ended
 from tests.support.tool import Tool
+
+# Every test takes a domain that is free: one that is set here would be the same for all that run beside each other.
+os.environ.pop("ROS_DOMAIN_ID", None)
+
+
+@pytest.fixture
+def spawn() -> Iterator[Spawn]:
+    """Starts processes as subprocess.Popen does, with text; none outlives the test, nor do its pipes."""
+    children: list[subprocess.Popen[str]] = []
+
+    def start(command: list[str], **options: Any) -> subprocess.Popen[str]:
+        children.append(subprocess.Popen(command, text=True, **options))
+        return children[-1]
+
+    with ended(children):
+        yield start
 
 
 @pytest.fixture

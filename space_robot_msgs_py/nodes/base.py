@@ -19,6 +19,7 @@ from space_robot_msgs_py.errors import LayoutError, SpecError, shortened
 from space_robot_msgs_py.escapes import visible
 from space_robot_msgs_py.limits import REASON_BYTES
 from space_robot_msgs_py.nodes.parameters import NodeParameters
+from space_robot_msgs_py.nodes.replies import Replies
 from space_robot_msgs_py.parameters import ParameterRow
 from space_robot_msgs_py.ros import message_class, qos
 from space_robot_msgs_py.topics import RUN_END, Topic
@@ -39,6 +40,7 @@ class GraphNode(Node):  # type: ignore[misc]
         over: done when it has; what an executor spins for.
         failure: the exception that stopped this node.
         parameters: what it shows of itself.
+        replies: those of its services.
 
     Args:
         name: node name.
@@ -57,7 +59,10 @@ class GraphNode(Node):  # type: ignore[misc]
         overridable: bool = False,
         **options: Any,
     ) -> None:
+        # Before the services of ROS itself, which are made in there.
+        self.replies = Replies()
         super().__init__(name, context=context, **options)
+        self.replies.start(self)
         self._readers: dict[Topic, Subscription] = {}
         self._qos_options = QoSOverridingOptions.with_default_policies() if overridable else None
         self.parameters = NodeParameters(self, self.tune)
@@ -81,6 +86,12 @@ class GraphNode(Node):  # type: ignore[misc]
         return self.create_publisher(
             message_class(topic), topic.name, qos(topic), qos_overriding_options=self._qos_options
         )
+
+    def create_service(self, *arguments: Any, **options: Any) -> Any:
+        """As of every node, but the reply waits for a client that is discovered later than its request."""
+        service = super().create_service(*arguments, **options)
+        self.replies.guard([service])
+        return service
 
     def listen(self, topic: Topic, callback: Callable[[bytes], None]) -> Subscription:
         """Subscribe to the raw bytes of that row of the table.
@@ -125,13 +136,14 @@ class GraphNode(Node):  # type: ignore[misc]
         return int(reader.get_publisher_count())
 
     def flush(self, seconds: float, hurried: Callable[[], bool] = lambda: False) -> None:
-        """Wait until everything published is acknowledged by every matched subscriber, at most that long in all.
+        """Wait until all replies are sent and all messages acknowledged by every matched subscriber, that long in all.
 
         Args:
             seconds: at most.
             hurried: asked often; True: wait no longer.
         """
         deadline = monotonic() + seconds
+        self.replies.flush(seconds, hurried)
         for publisher in self.publishers:
             while not publisher.wait_for_all_acked(Duration(seconds=FLUSH_SECONDS)):
                 if monotonic() > deadline or hurried():

@@ -36,6 +36,7 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         self._refusal: Exception | None = None
         if steered:
             _refuse_politely(self._service_change_state)
+            self.replies.guard(self.services)
         self._permanent = {id(handle) for handle in self._handles()}
 
     @abstractmethod
@@ -104,6 +105,11 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         self.active = False
         self.end(f"{self.get_name()}: shut down")
         return TransitionCallbackReturn.SUCCESS
+
+    def destroy_node(self) -> None:
+        """Leave nothing in the graph, where rclpy keeps the services of the life cycle until a garbage collection."""
+        self._state_machine.destroy_when_not_in_use()
+        super().destroy_node()
 
     def _try(self, *actions: Callable[[], None]) -> TransitionCallbackReturn:
         try:

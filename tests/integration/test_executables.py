@@ -12,6 +12,7 @@ import pytest
 from space_robot_bringup.modes.context import reserved_domain
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.log.reader import LogReader
+from tests.support.follow import Spawn, said_by
 from tests.support.paths import ROOT
 
 pytest.importorskip("rclpy")
@@ -19,7 +20,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
 
 @pytest.mark.parametrize(("name", "block"), [("adaptive", "parameters"), ("ntsmc", "adaptive_gain")])
-def test_the_executable_flies_an_experiment_of_another_law(tmp_path: Path, name: str, block: str) -> None:
+def test_the_executable_flies_an_experiment_of_another_law(tmp_path: Path, spawn: Spawn, name: str, block: str) -> None:
     """With simulator, guidance and recorder beside it, the executable flies its law, and the log has its telemetry."""
     run = tmp_path / "run"
     common = ["--experiment", "point_to_point/ur5_sat", "--out", str(run), "--set", "duration=5.0"]
@@ -28,16 +29,15 @@ def test_the_executable_flies_an_experiment_of_another_law(tmp_path: Path, name:
     with reserved_domain() as domain:
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain), "PATH": f"{_bin()}:{os.environ['PATH']}"}
         children = [
-            subprocess.Popen(
+            spawn(
                 ["sh", str(ROOT / "lib" / package / node), *common, *([] if node.endswith("_controller") else law)],
                 env=environment,
                 stderr=subprocess.PIPE,
-                text=True,
             )
             for package, names in nodes.items()
             for node in names
         ]
-        said = [child.communicate(timeout=60)[1] for child in children]
+        said = said_by(children)
     assert [child.returncode for child in children] == [0, 0, 0, 0], said
     reader = LogReader(run)
     assert reader.end_reason == "completed"

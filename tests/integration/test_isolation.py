@@ -11,13 +11,12 @@ import pytest
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
-from tests.support.follow import await_ticks, ended
+from tests.support.follow import DEADLINE, await_ticks, ended
 from tests.support.forks import Fork, fork_main
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
-DEADLINE = 90.0
 SHORT = "duration=50.0"
 PLANS = {
     "long": ["controller.law=computed_torque", "reference.roll.amplitude_deg=5.0"],

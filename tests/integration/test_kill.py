@@ -15,7 +15,7 @@ from space_robot_bringup.experiment.experiment import load_experiment, with_dura
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
-from tests.support.follow import ended
+from tests.support.follow import DEADLINE, ended
 from tests.support.forks import Fork, fork_main
 
 pytest.importorskip("rclpy")
@@ -25,7 +25,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 PERIOD = 250_000_000
 
 
-def wait_for(condition: object, what: str, seconds: float = 30.0) -> None:
+def wait_for(condition: object, what: str, seconds: float = DEADLINE) -> None:
     end = monotonic() + seconds
     while not condition():  # type: ignore[operator]
         assert monotonic() < end, f"waited {seconds} s for {what}"
@@ -65,7 +65,7 @@ def test_a_signal_closes_the_log_and_says_so(tmp_path: Path, mode: str, number: 
     with ended([fork_main("space_robot_cli.main", *command)]) as (flown,):
         wait_for(lambda: any(path.stat().st_size > 100_000 for path in run.glob("*.mcap")), "some of the flight")
         flown.send_signal(number)
-        stdout, stderr = flown.communicate(timeout=60)
+        stdout, stderr = flown.communicate(timeout=DEADLINE)
     assert "Traceback" not in stderr, stderr
     assert flown.returncode == 1
     assert reason in stdout

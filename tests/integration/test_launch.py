@@ -20,22 +20,20 @@ from space_robot_bringup.modes.context import reserved_domain
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 from tests.support.distribution import ROOT
-from tests.support.follow import await_ticks
+from tests.support.follow import DEADLINE, Spawn, await_ticks
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("graph")]
 
-DEADLINE = 90.0
 Launch = Callable[..., "subprocess.Popen[str]"]
 
 
 @pytest.fixture
-def launch(tmp_path: Path) -> Iterator[Launch]:
+def launch(tmp_path: Path, spawn: Spawn) -> Iterator[Launch]:
     """``ros2 launch`` of the source tree's launch file in an empty folder, on a domain of its own."""
     index = tmp_path / "prefix" / "share" / "ament_index" / "resource_index"
     index.mkdir(parents=True)
     (index / "packages").symlink_to(ROOT / "resource")
     (tmp_path / "prefix" / "lib").symlink_to(ROOT / "lib")
-    started = []
     with reserved_domain() as domain:
 
         def start(*arguments: str, file: str = "experiment") -> subprocess.Popen[str]:
@@ -44,23 +42,16 @@ def launch(tmp_path: Path) -> Iterator[Launch]:
                 "ROS_LOG_DIR": str(tmp_path / "log"),
             }
             prefixes = f"{tmp_path / 'prefix'}:{os.environ.get('AMENT_PREFIX_PATH', sys.prefix)}"
-            child = subprocess.Popen(
+            return spawn(
                 ["ros2", "launch", str(ROOT / "launch" / f"{file}.launch.py"), *arguments],
                 env=os.environ | paths | {"AMENT_PREFIX_PATH": prefixes, "ROS_DOMAIN_ID": str(domain)},
                 cwd=tmp_path,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
-                text=True,
                 start_new_session=True,
             )
-            started.append(child)
-            return child
 
         yield start
-        for child in started:
-            if child.poll() is None:
-                os.killpg(child.pid, signal.SIGKILL)
-                child.wait()
 
 
 def test_a_complete_run_ends_with_0(launch: Launch, tmp_path: Path) -> None:

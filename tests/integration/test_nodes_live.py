@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from pathlib import Path
 from typing import Any
 
@@ -66,8 +67,7 @@ def transit(robot: Flight, node: str, transition: int) -> bool:
 def halted(robot: Flight) -> int:
     """Pause the run; the tick at which it stands."""
     call(robot, SetBool, "simulator/pause", SetBool.Request(data=True))
-    robot.spin_for(0.1)
-    return robot.simulator.tick
+    return robot.await_answer()
 
 
 def finished(robot: Flight) -> list[Tick]:
@@ -179,7 +179,7 @@ def test_a_deactivated_node_holds_and_goes_on_without_a_trace(tmp_path: Path, no
     run_experiment(load_experiment("liu2023/fig08"), plain, mode="headless")
     with flight(tmp_path / "run", services=True) as robot:
         assert transit(robot, node, Transition.TRANSITION_DEACTIVATE)
-        robot.spin_for(0.1)
+        robot.settle()
         held = robot.simulator.tick
         robot.spin_for(0.2)
         assert robot.simulator.tick == held < 160, "the run was over before it could be held"
@@ -239,6 +239,23 @@ def test_a_node_that_cannot_be_configured_can_try_again(tmp_path: Path) -> None:
         node.destroy_node()
 
 
+def test_a_graph_leaves_nothing_of_itself(tmp_path: Path) -> None:
+    """With its context a graph's threads are gone, and so its nodes and services, without any garbage collection."""
+
+    def threads_after(name: str) -> int:
+        with flight(tmp_path / name, services=True) as robot:
+            robot.spin_until(lambda: robot.simulator.started, "the start")
+        return len(list(Path("/proc/self/task").iterdir()))
+
+    gc.collect()
+    gc.disable()
+    try:
+        # What the first one starts for the whole process stays.
+        assert threads_after("one") == threads_after("two") == threads_after("three")
+    finally:
+        gc.enable()
+
+
 def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Path) -> None:
     """The periods are missed; activated again the law starts anew, the log says so, and a replay does the same."""
     # The clock is too slow to fire: periods end when the test says so, or a busy machine would decide the outcome.
@@ -255,7 +272,7 @@ def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Pa
         assert transit(robot, "controller", Transition.TRANSITION_DEACTIVATE)
         for _ in range(5):
             simulator._on_period()
-            robot.spin_for(0.05)
+            robot.settle()
         assert (simulator.tick, simulator.commands.counts["missed"]) == (8, 4)
         assert transit(robot, "controller", Transition.TRANSITION_ACTIVATE)
         fly_until(20)
@@ -263,7 +280,7 @@ def test_a_paced_run_without_an_active_controller_flies_in_its_hold(tmp_path: Pa
         simulator._on_period()
         assert simulator.end_reason == "completed"
         robot.spin_until(lambda: robot.recorder.end_reason, "the recorder to hear the end")
-        robot.spin_for(0.2)
+        robot.settle()
         robot.recorder.finish("completed")
     assert [kind for _, kind, _ in events(list(LogReader(tmp_path / "run").ticks()))] == ["reset"]
     (controller,) = replayed(tmp_path / "run", against="controller").outcomes

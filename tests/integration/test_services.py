@@ -39,8 +39,7 @@ def test_a_paused_run_takes_single_steps_and_ends_with_the_same_bits(tmp_path: P
     run_experiment(load_experiment("liu2023/fig08"), tmp_path / "truth" / "run", mode="headless")
     with flight(tmp_path / "run") as robot:
         assert pause(robot, True).success
-        robot.spin_for(0.1)
-        stopped = robot.simulator.tick
+        stopped = robot.await_answer()
         assert stopped < robot.composition.experiment.steps, "the run was over before it could be paused"
         robot.spin_for(0.1)
         assert robot.simulator.tick == stopped
@@ -90,7 +89,7 @@ def test_a_paced_run_follows_the_steady_clock_and_counts_what_is_missing(tmp_pat
         robot.spin_until(lambda: robot.simulator.end_reason is not None, "the end of the run")
         assert robot.simulator.end_reason == "completed"
         assert robot.simulator.commands.counts["missed"] == 9
-        robot.spin_for(0.2)
+        robot.settle()
         robot.recorder.finish("completed")
     states = [stamp for topic, stamp, _ in LogReader(tmp_path / "run").messages() if topic == "base/odom"]
     assert states == [250_000_000 * tick for tick in range(9)]

@@ -21,7 +21,7 @@ from space_robot_bringup.modes.context import reserved_domain
 from space_robot_bringup.modes.graph import MANAGED
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
-from tests.support.follow import Child, ended
+from tests.support.follow import DEADLINE, Child, ended, said_by
 from tests.support.forks import Fork, fork_main
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -64,7 +64,7 @@ def start_program(role: str, domain: int, *arguments: str) -> subprocess.Popen[s
 
 def all_well(children: Sequence[Child]) -> None:
     """They all end with 0."""
-    said = [child.communicate(timeout=120)[1] for child in children]
+    said = said_by(children)
     assert [child.returncode for child in children] == [0] * len(children), said
 
 
@@ -93,12 +93,12 @@ def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path, start: St
         ]
         manager = [sys.executable, "-m", "space_robot_bringup.nodes.lifecycle_manager"]
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
-        done = subprocess.run(manager, env=environment, capture_output=True, text=True, timeout=240, check=False)
+        done = subprocess.run(manager, env=environment, capture_output=True, text=True, timeout=DEADLINE, check=False)
         assert done.returncode == 0, done.stderr
         all_well(children)
         alone = fork_main("space_robot_bringup.nodes.lifecycle_manager", "--patience", "0.5", environment=environment)
         with ended([alone]):
-            said = alone.communicate(timeout=60)[1]
+            said = alone.communicate(timeout=DEADLINE)[1]
     assert alone.returncode == 1
     assert "controller/get_state: does not answer" in said
     run_experiment(load_experiment("liu2023/fig08", ["duration=5.0"]), tmp_path / "same" / "run", mode="headless")
@@ -151,7 +151,7 @@ def test_what_cannot_be_is_said_in_one_line(start: Starter, arguments: list[str]
     """Exit code 2, the key and the reason, no traceback, and nothing is left behind."""
     with reserved_domain() as domain:
         child = start("controller", domain, "--ros-args", *arguments)
-        said = child.communicate(timeout=60)[1]
+        said = child.communicate(timeout=DEADLINE)[1]
     assert child.returncode == 2, said
     assert why in said
     assert "Traceback" not in said

@@ -15,6 +15,7 @@ from space_robot_bringup.modes.context import reserved_domain
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 from tests.integration.test_executables import ROOT, law_of
+from tests.support.follow import Spawn, said_by
 
 pytest.importorskip("rclpy")
 
@@ -52,7 +53,7 @@ def binaries() -> Path:
     return Path(sys.executable).parent
 
 
-def test_the_executable_flies_the_testbed(tmp_path: Path) -> None:
+def test_the_executable_flies_the_testbed(tmp_path: Path, spawn: Spawn) -> None:
     """``mfac_controller`` with simulator, guidance and recorder beside it flies an experiment to its end."""
     run = tmp_path / "run"
     common = ["--experiment", "song2023/attitude_1_7", "--out", str(run), "--set", "duration=2.0"]
@@ -60,12 +61,10 @@ def test_the_executable_flies_the_testbed(tmp_path: Path) -> None:
     with reserved_domain() as domain:
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain), "PATH": f"{binaries()}:{os.environ['PATH']}"}
         children = [
-            subprocess.Popen(
-                ["sh", str(ROOT / "lib" / name), *common], env=environment, stderr=subprocess.PIPE, text=True
-            )
+            spawn(["sh", str(ROOT / "lib" / name), *common], env=environment, stderr=subprocess.PIPE)
             for name in (*nodes, "space_robot_control/mfac_controller")
         ]
-        said = [child.communicate(timeout=60)[1] for child in children]
+        said = said_by(children)
     assert [child.returncode for child in children] == [0, 0, 0, 0], said
     reader = LogReader(run)
     assert reader.end_reason == "completed"

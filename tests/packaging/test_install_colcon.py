@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.distribution import copy_source, executables, foreign_environment, make_venv
-from tests.support.follow import ended
+from tests.support.follow import ended, said_by
 
 pytest.importorskip("rclpy")
 from space_robot_bringup.modes.context import reserved_domain
@@ -20,7 +20,6 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("colcon
 # Setuptools of Ubuntu 24.04, with which Jazzy is built.
 TOOLS = ["colcon-core>=0.18,<1", "colcon-ros>=0.5,<1", "colcon-python-setup-py>=0.2.9,<1", "setuptools==68.1.2"]
 NODES = ("space_robot_sim/recorder", "space_robot_control/guidance", "space_robot_control/computed_torque_controller")
-DEADLINE = 120.0
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +70,6 @@ def _fly(prefix: Path, environment: dict[str, str], run: Path) -> LogReader:
             for node in (*NODES, "space_robot_sim/simulator")
         ]
         with ended(children):
-            said = [child.communicate(timeout=DEADLINE)[1] for child in children]
+            said = said_by(children)
     assert [child.returncode for child in children] == [0] * len(children), said
     return LogReader(run)

@@ -22,7 +22,10 @@ from space_robot_msgs_py.topics import Topic
 from space_robot_sim.nodes.recorder import RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
 
-DEADLINE = 20.0
+# Only a fault comes near it, however busy the machine is.
+DEADLINE = 60.0
+# More than the nodes that a message passes through one after another.
+ROUNDS = 12
 
 
 @dataclass
@@ -55,8 +58,19 @@ class Flight:
             self.executor.spin_once(timeout_sec=0.02)
             assert monotonic() < end, f"waited {DEADLINE} s for {what}; the simulator is at tick {self.simulator.tick}"
 
+    def settle(self) -> None:
+        """Let the nodes take everything under way: in one process a message is with its readers once it is sent."""
+        for _ in range(ROUNDS):
+            mark = self.executor.create_task(lambda: None)
+            self.spin_until(mark.done, "the executor")
+
+    def await_answer(self) -> int:
+        """Spin until the state at which a run stands has its answer; the tick of that state."""
+        self.spin_until(lambda: self.simulator.started and self.simulator.commands.answered, "an answered state")
+        return self.simulator.tick
+
     def spin_for(self, seconds: float) -> None:
-        """Give everything that could happen the time to happen."""
+        """Give what must not happen the time to happen."""
         end = monotonic() + seconds
         while monotonic() < end:
             self.executor.spin_once(timeout_sec=0.01)

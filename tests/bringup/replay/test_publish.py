@@ -34,13 +34,14 @@ from space_robot_bringup.replay.comparison import EXACT
 from space_robot_bringup.replay.publish import Answers, PublishOrder, open_broadcast
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_sim.nodes.replayer import ReplayerNode
+from tests.support.follow import DEADLINE as PROCESS_SECONDS
 from tests.support.follow import ended
 from tests.support.forks import fork_main
 from tests.support.replays import fly
 from tests.support.tool import Tool, refused
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-DEADLINE = 20.0
+DEADLINE = 60.0
 SHORT = "duration=5.0"
 TICKS, PERIOD = 21, 250_000_000
 
@@ -266,7 +267,7 @@ def test_the_tool_and_a_controller_process_meet(space_robot: Tool, bag: Path, mo
         options = ["--experiment", "liu2023/fig08", "--set", SHORT, "--out", "unused"]
         with ended([fork_main("space_robot_bringup.nodes.process", "controller", *options)]) as (controller,):
             done = space_robot("replay", str(bag), "--publish")
-            assert controller.wait(timeout=30) == 0
+            assert controller.wait(timeout=PROCESS_SECONDS) == 0
     assert done.returncode == 0, done.stdout + done.stderr
     assert "answers: EQUAL, 42 messages" in done.stdout
 
@@ -279,6 +280,8 @@ def test_the_executable_publishes_a_bag(bag: Path) -> None:
         environment = os.environ | {"ROS_DOMAIN_ID": str(domain), "PATH": path}
         for arguments, code in (((str(bag), "--rate", "100"), 0), (("nowhere",), 2)):
             command = ["sh", executable, *arguments]
-            done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=60)
+            done = subprocess.run(
+                command, env=environment, capture_output=True, text=True, check=False, timeout=PROCESS_SECONDS
+            )
             assert done.returncode == code, done.stderr
     assert "nowhere" in done.stderr

@@ -90,7 +90,7 @@ def test_a_paced_log_with_a_break(tmp_path: Path, law: str, realtime: float) -> 
         robot.spin_until(lambda: robot.simulator.tick > 20, "some periods without commands")
         controller.must(controller.trigger_activate)
         robot.spin_until(lambda: robot.simulator.end_reason, "the end of the run")
-        robot.spin_for(0.3)
+        robot.settle()
         robot.recorder.finish("completed")
     done = replayed(tmp_path / "run")
     assert [outcome.first for outcome in done.outcomes] == [None, None]

@@ -81,14 +81,14 @@ sink.close("completed")
 @pytest.mark.parametrize("kill_after", [1, 2, 57, 300])
 def test_kill_loses_no_tick_that_was_written(tmp_path, kill_after):
     """After SIGKILL every tick whose writing had returned is in the file, bit for bit, and more is never invented."""
-    child = subprocess.Popen([sys.executable, "-c", WRITER, str(tmp_path / "run")], stdout=subprocess.PIPE, cwd=ROOT)
-    written = 0
-    while written < kill_after:
-        written = int(child.stdout.readline())
-    os.kill(child.pid, signal.SIGKILL)
-    written = max([written, *(int(line) for line in child.stdout.read().split())])
-    child.stdout.close()
-    assert child.wait() == -signal.SIGKILL
+    command = [sys.executable, "-c", WRITER, str(tmp_path / "run")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=ROOT) as child:
+        written = 0
+        while written < kill_after:
+            written = int(child.stdout.readline())
+        os.kill(child.pid, signal.SIGKILL)
+        written = max([written, *(int(line) for line in child.stdout.read().split())])
+    assert child.returncode == -signal.SIGKILL
     reader = LogReader(tmp_path / "run")
     ticks = list(reader.ticks())
     assert written <= len(ticks) <= written + 1

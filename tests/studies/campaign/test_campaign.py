@@ -25,6 +25,7 @@ from space_robot_cli.main import main  # noqa: E402
 from space_robot_studies.campaign.campaign import CampaignResult, run_campaign  # noqa: E402
 from space_robot_studies.campaign.spec import load_campaign  # noqa: E402
 from space_robot_studies.engine.hooks import StudyHooks  # noqa: E402
+from tests.support.follow import DEADLINE, ended  # noqa: E402
 from tests.support.nonempty import nonempty  # noqa: E402
 from tests.support.processes import descendants  # noqa: E402
 
@@ -94,7 +95,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "one"
 
 
-def wait_for(condition: Callable[[], Any], what: str, seconds: float = 60.0) -> None:
+def wait_for(condition: Callable[[], Any], what: str, seconds: float = DEADLINE) -> None:
     end = monotonic() + seconds
     while not condition():
         assert monotonic() < end, f"waited {seconds} s for {what}"
@@ -117,11 +118,8 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
         cwd=ROOT,
         start_new_session=True,
     )
-    try:
+    with ended([process]):
         yield process
-    finally:
-        process.kill()
-        process.communicate()
 
 
 @pytest.mark.parametrize("workers", [2, 4])
@@ -208,7 +206,7 @@ def test_a_signal_ends_a_campaign_and_says_how_to_go_on(tmp_path: Path, number: 
         wait_for(lambda: finished(out) >= 2, "the first rows")
         processes = descendants(campaign.pid)
         os.killpg(campaign.pid, number)
-        said, _ = campaign.communicate(timeout=60)
+        said, _ = campaign.communicate(timeout=DEADLINE)
     assert campaign.returncode == 1, said
     assert ("FAIL (interrupted)" if number == signal.SIGINT else "FAIL (terminated)") in said
     assert f"space-robot campaign {out / 'resolved.yaml'} --out {out} --resume" in said
@@ -235,7 +233,7 @@ def test_a_scheduler_elsewhere_gives_the_same_table(
 
         def wait_for_workers(count: int) -> None:
             with distributed.Client(address, timeout=30) as client:
-                client.wait_for_workers(count, timeout=60)
+                client.wait_for_workers(count, timeout=DEADLINE)
 
         wait_for_workers(2)
         result = fly(tmp_path, "far", scheduler=address, keep="all")

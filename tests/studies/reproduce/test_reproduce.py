@@ -23,6 +23,7 @@ from space_robot_studies.campaign.run_case import run_case
 from space_robot_studies.campaign.spec import load_campaign
 from space_robot_studies.reproduce.plan import load_plan
 from space_robot_studies.reproduce.run import Job, run_job
+from tests.support.follow import DEADLINE, Spawn
 from tests.support.nonempty import nonempty
 from tests.support.tool import Tool, refused
 
@@ -349,19 +350,19 @@ def test_without_the_drawing_libraries_it_says_what_to_install(
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_it_without_a_verdict_and_it_can_be_resumed(
-    space_robot: Tool, tmp_path: Path, number: signal.Signals
+    space_robot: Tool, tmp_path: Path, spawn: Spawn, number: signal.Signals
 ) -> None:
     """A signal ends workers and parent in one line, judges nothing, leaves no page; --resume does only the rest."""
     runs = {"many": {"experiment": "liu2023/fig08", "set": {"duration": 20.0}, "seeds": {"count": 24}}}
     write(tmp_path, runs=runs, panels=[{"signals": ["base.error"]}], tables=[], claims=[], keep="all")
     command = [sys.executable, "-m", "space_robot_cli", "reproduce", "paper.yaml", "--figure", "8"]
-    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True) as tool:
-        assert tool.stderr is not None
-        # A quarter is done when the first line comes.
-        assert tool.stderr.readline().startswith("run ")
-        os.killpg(tool.pid, number)
-        said = tool.stderr.read()
-        assert tool.wait(timeout=60) == 1
+    tool = spawn(command, cwd=tmp_path, stderr=subprocess.PIPE, start_new_session=True)
+    assert tool.stderr is not None
+    # A quarter is done when the first line comes.
+    assert tool.stderr.readline().startswith("run ")
+    os.killpg(tool.pid, number)
+    said = tool.communicate(timeout=DEADLINE)[1]
+    assert tool.returncode == 1, said
     word = "interrupted" if number == signal.SIGINT else "terminated"
     assert f"{word}: finished runs are kept; go on with --resume" in said
     assert "Traceback" not in said
