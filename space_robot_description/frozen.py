@@ -79,6 +79,7 @@ class _Copy:
     made: dict[int, Any] = field(default_factory=dict)
 
     def of(self, value: Any) -> Any:
+        """The copy of a value, and of what is in it."""
         if not isinstance(value, Mapping | list | tuple):
             return self.of_leaf(value)
         if id(value) not in self.made:

@@ -34,6 +34,7 @@ def lazy_face(
     where = {name: module for module, names in modules.items() for name in names}
 
     def load(name: str) -> Any:
+        """Import a name; Python calls this for what the package does not have yet."""
         if name not in where:
             raise AttributeError(
                 f"module {package!r} has no attribute {name!r}", name=name, obj=sys.modules.get(package)
@@ -44,6 +45,7 @@ def lazy_face(
         return value
 
     def listed() -> list[str]:
+        """The public names, for ``dir`` and completion."""
         return sorted(where)
 
     return load, listed

@@ -118,8 +118,8 @@ class TelemetryArrays:
         plant: of the plant, the truth among them (``true_configuration``, ``true_velocity``).
     """
 
-    controller: Mapping[str, Vector]
-    plant: Mapping[str, Vector]
+    controller: MappingProxyType[str, Vector]
+    plant: MappingProxyType[str, Vector]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
