@@ -137,7 +137,7 @@ class Law(Tunable, ABC):
         self.reset()
 
     def health(self) -> Mapping[str, float]:
-        """Numbers that say how well an estimator is doing, for diagnostics; computed only on demand."""
+        """Condition of an estimator in numbers, for diagnostics; computed only on demand."""
         return {}
 
     def on_applied(self, command: Command, *, own: bool) -> None:

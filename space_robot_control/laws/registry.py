@@ -61,7 +61,7 @@ def law_class(name: str, key: str = "controller.law") -> type[Law]:
 def make_law(
     name: str, robot: Robot, control_period: float, gains: Mapping[str, Any] | None = None, key: str = "controller"
 ) -> Law:
-    """Build a law from what an experiment file says about it.
+    """Build a law from its section of an experiment file.
 
     Args:
         name: see ``law_class``.

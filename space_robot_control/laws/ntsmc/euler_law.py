@@ -46,7 +46,7 @@ class NtsmcEuler(TerminalSliding):
     Deviations from the paper:
         This is a RECONSTRUCTION of the controller the paper compares with ([8]: Jia, Shan, IEEE TIE 67(3), 2020),
         whose text is not at hand: everything but the attitude is the quaternion law's, so that a comparison shows the
-        representation alone. What [8] adapts by a norm is per DoF here; Table I's k0, k1, c0 are not told apart.
+        representation alone. What [8] adapts by a norm is per DoF here; Table I's k0, k1, c0 are not separate.
 
     Args:
         robot: the NOMINAL robot.
