@@ -18,7 +18,9 @@ class FilterSpec(Strict):
     bandwidth: PositiveFloat = Field(default=3.0, description="of the filter [rad/s]")
     gate_angle_deg: PositiveFloat = Field(default=0.5, description="largest credible jump of an angle [deg]")
     gate_length: PositiveFloat = Field(default=0.01, description="largest credible jump of a position [m]")
-    patience: NonNegativeInt = Field(default=20, description="refusals in a row before the samples are believed again")
+    patience: NonNegativeInt = Field(
+        default=20, description="refusals in a row after which the next sample is accepted [-]"
+    )
 
 
 class Sensing:

@@ -10,6 +10,14 @@ import numpy as np
 from space_robot_control.kernel.tracking import track
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
+ERROR_FIELDS = {
+    "position_error": "R^T (p_d - p), body frame [m]",
+    "attitude_error": "log R_e, rotation vector, body frame [rad]",
+    "joint_error": "q_d - q [rad or m]",
+    "twist_error": "R_e v_d - v and R_e w_d - w, body frame [m/s, rad/s]",
+    "joint_rate_error": "q_d' - q' [rad/s or m/s]",
+}
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TrackingErrors:

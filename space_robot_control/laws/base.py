@@ -51,8 +51,9 @@ class Law(Tunable, ABC):
     """A control law as a Controller: subclasses write ``compute`` and, if they remember anything, ``reset``.
 
     Subclasses with gains nest a ``Gains`` model and annotate ``gains: Gains``; every field has a default and a
-    description with its unit. A law is a function of the states and references since the last ``reset``, of what
-    ``tune`` changed between them, and of nothing else.
+    description with its unit. ``telemetry_fields`` describes the blocks of telemetry, with their units. A law is a
+    function of the states and references since the last ``reset``, of what ``tune`` changed between them, and of
+    nothing else.
 
     Args:
         robot: the NOMINAL robot; a law never sees the true one.
@@ -67,6 +68,7 @@ class Law(Tunable, ABC):
         """The numbers to tune; this law has none."""
 
     name: ClassVar[str] = ""
+    telemetry_fields: ClassVar[Mapping[str, str]] = {}
     gains: Gains
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
@@ -135,7 +137,7 @@ class Law(Tunable, ABC):
         self.reset()
 
     def health(self) -> Mapping[str, float]:
-        """Numbers that say how well an estimator is doing, for diagnostics; computed only on demand."""
+        """Condition of an estimator in numbers, for diagnostics; computed only on demand."""
         return {}
 
     def on_applied(self, command: Command, *, own: bool) -> None:

@@ -72,7 +72,7 @@ def make_law(
     key: str = "controller",
     policy: LawPolicy = TYPED,
 ) -> Law:
-    """Build a law from what an experiment file says about it.
+    """Build a law from its section of an experiment file.
 
     Args:
         name: see ``law_class``.

@@ -5,18 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from space_robot_control.laws.base import Blocks, Law
-from space_robot_control.tracking import error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
 class ZeroCommand(Law):
-    """u = 0, whatever the state.
-
-    Telemetry: position_error (3) [m], attitude_error (3) [rad], joint_error (n) [rad], twist_error (6) [m/s, rad/s] and
-    joint_rate_error (n) [rad/s], as every law has them.
-    """
+    """u = 0, whatever the state."""
 
     name = "none"
+    telemetry_fields = ERROR_FIELDS
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return zero force, torque and efforts, and the tracking errors."""

@@ -1,4 +1,4 @@
-"""The node that runs a control law: it reacts to states and owns no timer."""
+"""Controller node: runs a law on every state; owns no timer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The node that says what is asked: references, published ahead of the states they are for."""
+"""Guidance node: publishes references ahead of the states they are for."""
 
 from __future__ import annotations
 

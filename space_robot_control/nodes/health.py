@@ -1,4 +1,4 @@
-"""What depends on the wall clock: /diagnostics of the controller. It owns no timer: it speaks when it has answered."""
+"""Diagnostics of the controller node, the part that depends on the wall clock; without a timer, with its outputs."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ DIAGNOSTICS_PERIOD = 1.0
 
 
 class ControllerHealth:
-    """Counts answers and how long they took; publishes at most once a second of the steady clock.
+    """Counts updates of the law and their duration; publishes at most once a second of the steady clock.
 
     Args:
-        node: in whose name.
-        law: that answers.
+        node: the publisher.
+        law: of the node.
     """
 
     def __init__(self, node: Node, law: Law) -> None:
@@ -26,11 +26,11 @@ class ControllerHealth:
         self._since, self._answers, self._total, self._longest = perf_counter(), 0, 0.0, 0.0
 
     def answered(self, stamp: int, begun: float) -> None:
-        """Count the answer to a state.
+        """Count the update for a state.
 
         Args:
             stamp: of the state [ns].
-            begun: ``perf_counter()`` when the law was asked.
+            begun: ``perf_counter()`` before the update.
         """
         now = perf_counter()
         self._answers += 1

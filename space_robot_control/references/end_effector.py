@@ -29,7 +29,7 @@ class Leg:
     """One rest-to-rest motion: base attitude on its geodesic, base position and joints on one C4 spline.
 
     Args:
-        base: how the base moves, and the joints where ``posture`` does not say otherwise.
+        base: how the base moves, and the joints where ``posture`` does not prescribe them.
         posture: the configuration at a knot from that of ``base`` (7+n,), the joints of the knot before (n,), the share
             s in [0, 1] of the way and the time [s].
         first: (7+n,) configuration to start from.
@@ -77,7 +77,7 @@ class EndEffector:
 
 
 def end_effector(spec: EndEffectorSpec, robot: Robot, initial_q: Vector, key: str) -> EndEffector:
-    """Build from a spec; each target inherits what it does not say from the one before.
+    """Build from a spec; each target inherits what it leaves out from the one before.
 
     Raises:
         SpecError: a target or the times cannot be used, is out of reach, near a singularity or beyond a joint limit.

@@ -1,4 +1,4 @@
-"""From what an experiment asks to the object that answers it."""
+"""From the reference of an experiment file to its object."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import ReferenceSource, Vector
 
 
-class _Asked(Strict):
+class _Section(Strict):
     reference: ReferenceSpec
 
 
@@ -48,12 +48,12 @@ def make_reference(
         A pure function of the stamp: exact configuration, velocity and acceleration.
 
     Raises:
-        SpecError: something asked for cannot be done: unknown keys or joints, sizes, times, joint limits.
+        SpecError: the reference is not possible: unknown keys or joints, sizes, times, joint limits.
         CommandError: the initial configuration does not fit the robot.
         NonFiniteError: a number is not finite.
     """
     if isinstance(spec, Mapping):
-        spec = validate(_Asked, {"reference": dict(spec)}, "").reference
+        spec = validate(_Section, {"reference": dict(spec)}, "").reference
     q = initial_configuration(initial_q, robot)
     match spec:
         case HoldSpec():

@@ -1,4 +1,4 @@
-"""References that were written down: to fly again what was flown, or what another program planned."""
+"""Recorded references: of an earlier run, or planned by another program."""
 
 from __future__ import annotations
 

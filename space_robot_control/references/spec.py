@@ -1,4 +1,4 @@
-"""What an experiment file can ask for: one typed model per kind of reference, told apart by ``kind``."""
+"""References of an experiment file: one typed model per kind, selected by ``kind``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Rows = tuple[tuple[float, ...], ...]
 
 
 class Target(Strict):
-    """A configuration to go to; what is not said stays where the motion before it ended (at first: the initial one)."""
+    """A configuration to go to; what is left out stays where the motion before it ended (at first: the initial one)."""
 
     position: Three | None = Field(default=None, description="base origin in the inertial frame [m]")
     attitude_deg: Three | None = Field(default=None, description="roll, pitch, yaw of the base, R = Rz Ry Rx [deg]")
@@ -28,9 +28,9 @@ class Target(Strict):
     @model_validator(mode="after")
     def _said_once(self) -> Self:
         for ways in (("attitude_deg", "quaternion"), ("joints", "joints_deg", "joints_by_deg")):
-            said = [way for way in ways if getattr(self, way) is not None]
-            if len(said) > 1:
-                raise ValueError(f"say {' or '.join(said)}, not both")
+            given = [way for way in ways if getattr(self, way) is not None]
+            if len(given) > 1:
+                raise ValueError(f"give {' or '.join(given)}, not both")
         return self
 
 
@@ -66,7 +66,7 @@ class Wave(Strict):
     @model_validator(mode="after")
     def _one_amplitude(self) -> Self:
         if (self.amplitude is None) == (self.amplitude_deg is None):
-            raise ValueError("say amplitude or amplitude_deg, one of them")
+            raise ValueError("give amplitude or amplitude_deg, one of them")
         return self
 
 
@@ -113,23 +113,23 @@ class WaypointsSpec(Strict):
 
 
 class ToolTarget(Strict):
-    """Where the tool frame is to be, in the inertial frame; what is not said stays as it is when the leg starts."""
+    """Where the tool frame is to be, in the inertial frame; what is left out stays as it is when the leg starts."""
 
     position: Three | None = Field(default=None, description="tool origin in the inertial frame [m]")
     move_by: Three | None = Field(default=None, description="the same as a displacement, inertial axes [m]")
     attitude_deg: Three | None = Field(default=None, description="roll, pitch, yaw of the tool, R = Rz Ry Rx [deg]")
     quaternion: Four | None = Field(default=None, description="the same as x, y, z, w, of any length but zero [-]")
     orientation: Literal["held", "free"] = Field(
-        default="held", description="free: only the position is asked for, for arms of fewer than six joints"
+        default="held", description="free: only the position is prescribed, for arms of fewer than six joints"
     )
 
     @model_validator(mode="after")
     def _said_once(self) -> Self:
         if self.position is not None and self.move_by is not None:
-            raise ValueError("say position or move_by, not both")
+            raise ValueError("give position or move_by, not both")
         turned = [way for way in ("attitude_deg", "quaternion") if getattr(self, way) is not None]
         if len(turned) > 1 or (turned and self.orientation == "free"):
-            raise ValueError("say attitude_deg, quaternion, or orientation: free")
+            raise ValueError("give attitude_deg, quaternion, or orientation: free")
         return self
 
 
@@ -141,7 +141,7 @@ class EndEffectorPoint(Waypoint):
     @model_validator(mode="after")
     def _joints_follow(self) -> Self:
         if self.tool is not None and (self.joints, self.joints_deg, self.joints_by_deg) != (None, None, None):
-            raise ValueError("say tool or joints, not both")
+            raise ValueError("give tool or joints, not both")
         return self
 
 

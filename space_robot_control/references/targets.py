@@ -33,9 +33,9 @@ def configuration(target: Target, robot: Robot, previous: Vector, key: str) -> V
     """Return the configuration of a target.
 
     Args:
-        target: what is asked.
+        target: of the experiment file.
         robot: for joint names and limits.
-        previous: (7+n,) configuration of what the target does not say.
+        previous: (7+n,) configuration for what the target leaves out.
         key: what to call the target in an error.
 
     Returns:
@@ -73,7 +73,7 @@ def check_limits(lowest: Vector, highest: Vector, robot: Robot, key: str, in_deg
         highest: (n,) largest position [rad or m].
         robot: for names and limits.
         key: what to call the positions in an error.
-        in_degrees: say the numbers in degrees.
+        in_degrees: give the numbers in degrees.
 
     Raises:
         SpecError: names the first joint outside, its value and its limits.

@@ -1,4 +1,4 @@
-"""Where the tool is, and the joints that bring it to a pose while the base flies its own way."""
+"""Pose of the tool, and the joints that bring it to a pose while the base moves on its own."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def tool_pose(robot: Robot, q: Vector) -> Pose:
 class ToolKinematics:
     """Generalised inverse kinematics: the base pose is given, or its position follows from the arm.
 
-    Free-flying: the base flies where it is told. Free-floating: nothing pushes the robot, so its centre of mass stays
+    Free-flying: the base motion is prescribed. Free-floating: nothing pushes the robot, so its centre of mass stays
     where it is and the base position is p = c0 - R c(joints); with the base rates given, the tool Jacobian of the
     joints is J_tool - J_com (inertial axes), the generalised Jacobian with the translation eliminated.
 

@@ -61,7 +61,7 @@ class Waypoints:
 
 
 def waypoints(spec: WaypointsSpec, robot: Robot, initial_q: Vector, key: str) -> Waypoints:
-    """Build from a spec; each target inherits what it does not say from the one before.
+    """Build from a spec; each target inherits what it leaves out from the one before.
 
     Raises:
         SpecError: a target or the times cannot be used, or the spline leaves the joint limits between the waypoints.

@@ -20,7 +20,8 @@ from space_robot_studies.campaign.spec import load_campaign
 from tests.support.nonempty import nonempty
 from tests.support.paths import ROOT
 
-PAGES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
+DOCS = sorted([*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "laws").glob("*.md")])
+PAGES = {page.name: page.read_text(encoding="utf-8") for page in DOCS}
 EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
 # Robot files are loaded by tests/description/test_examples_of_docs.py.
 KINDS = {

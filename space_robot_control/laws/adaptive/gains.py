@@ -20,10 +20,11 @@ class Lambda(PerDof):
 
 
 class Reset(Strict):
-    """When the covariance starts anew: the only way this RLS forgets."""
+    """When the covariance is reset: the only way this RLS forgets."""
 
     threshold: PositiveFloat = Field(
-        default=25.0, description="improbable from here on: squared innovation over its variance, mean of the rows [-]"
+        default=25.0,
+        description="squared innovation over its variance, mean of the rows, above which it is improbable [-]",
     )
     samples: PositiveInt = Field(default=2, description="improbable innovations in a row that reset [-]")
 
@@ -32,7 +33,7 @@ class Rls(Strict):
     """Recursive least squares, (39)-(41)."""
 
     torque_noise: PositiveFloat = Field(
-        default=1e-3, description="standard deviation of a torque row: noise, and what differencing rates misses [N m]"
+        default=1e-3, description="standard deviation of a torque row: noise, and the error of differenced rates [N m]"
     )
     force_noise: PositiveFloat = Field(default=1e-3, description="the same of a force row, free-flying robots [N]")
     prior_spread: PositiveFloat = Field(default=0.3, description="standard deviation of a parameter over its value [-]")
@@ -76,18 +77,20 @@ class AdaptiveGains(Strict):
         description="K_D = kappa M(pi_0, Theta_0) [1/s, lambda_on velocity: 1/s2]",
         json_schema_extra=DYNAMIC,
     )
-    lead: bool = Field(default=False, description="reference and state half a period ahead, against the hold's delay")
-    gyroscopic: bool = Field(
-        default=True, description="command and learn with the torque that turning the wheels' momentum takes"
+    lead: bool = Field(
+        default=False, description="reference and state half a period ahead, against the delay of held commands"
     )
+    gyroscopic: bool = Field(default=True, description="include omega x h of the wheels' momentum in command and RLS")
     rls: Rls = Field(default_factory=Rls, description="of update rls and composite")
     tracking: Tracking = Field(default_factory=Tracking, description="of update lyapunov and composite")
     consistency: Literal["none", "project", "natural"] = Field(
         default="none",
-        description="bodies that can exist: not enforced, the nearest ones after each update, or steps of update "
-        "lyapunov along the natural gradient",
+        description="physically possible bodies: not enforced, the nearest ones after each update, or steps of "
+        "update lyapunov along the natural gradient",
     )
-    pitch_limit_deg: float = Field(default=80.0, gt=0.0, lt=90.0, description="Euler angles are refused beyond [deg]")
+    pitch_limit_deg: float = Field(
+        default=80.0, gt=0.0, lt=90.0, description="largest |pitch|; beyond, Euler angles are refused [deg]"
+    )
 
     @model_validator(mode="after")
     def _proven(self) -> Self:

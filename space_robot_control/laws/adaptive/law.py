@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import cos, degrees, radians
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -42,11 +43,7 @@ class Adaptive(Law):
     Updates (``update``): ``none``; ``rls`` (39)-(41); ``lyapunov`` pi_hat' = Gamma Y^T [sigma_p, sigma] (44);
     ``composite``: RLS and (44) with Gamma = gamma G, G the covariance.
 
-    Telemetry: euler_error (3: roll, pitch, yaw) [rad], joint_error (n) [rad], position_error (3, inertial; free-flying)
-    [m], sliding_variable (m: translation if free-flying, roll, pitch, yaw, joints) [m/s, rad/s], lyapunov_function
-    (sigma^T M_hat sigma / 2 + e^T Lambda K_D e) [J], parameters (10 (1+n)), consistent (1: every body can exist), and
-    with RLS innovation (m) [N, N m], surprise (innovation over its variance) [-], covariance_trace, resets, learned
-    (0: the base saturated and the period was left out).
+    The equations on one screen: ``reference.py`` and ``reference_dynamics.py``.
 
     Deviations from the paper: the base translation is not eliminated from the parametrisation (the virtual manipulator
     of sec. 2 makes the dynamics nonlinear in pi) but from the command; both Y of (38) and (44) are Slotine-Li's with
@@ -69,6 +66,20 @@ class Adaptive(Law):
         """Gains of the adaptive law."""
 
     name = "adaptive"
+    telemetry_fields: ClassVar[Mapping[str, str]] = {
+        "position_error": "p_d - p, inertial axes; free-flying robots [m]",
+        "euler_error": "errors of roll, pitch, yaw [rad]",
+        "joint_error": "q_d - q [rad or m]",
+        "sliding_variable": "sigma: translation if free-flying, roll, pitch, yaw, joints [m/s, rad/s]",
+        "lyapunov_function": "sigma^T M_hat sigma / 2 + e^T Lambda K_D e [J]",
+        "parameters": "pi_hat: m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the joint origin, per body [kg, kg m, kg m2]",
+        "consistent": "1: every body is physically possible [-]",
+        "innovation": "with RLS: tau - Y pi_hat of the last period [N, N m]",
+        "surprise": "with RLS: squared innovation over its variance, mean of the rows [-]",
+        "covariance_trace": "with RLS: trace of G [mixed]",
+        "resets": "with RLS: resets of the covariance so far [-]",
+        "learned": "with RLS: 0: the base command was beyond the actuators and the period is left out [-]",
+    }
     gains: Gains
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:

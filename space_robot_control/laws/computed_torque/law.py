@@ -8,7 +8,7 @@ from space_robot_control.laws.base import Blocks, Law
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.per_dof import Axes, Joints, PerDof
 from space_robot_control.sampled_stability import stability_margin
-from space_robot_control.tracking import error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
 from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpecError
@@ -33,9 +33,6 @@ class ComputedTorque(Law):
     Free-floating: the force on the base is exactly zero, its translation follows from the zero-force rows of the
     nominal model, and the bandwidth of translation is not used.
 
-    Telemetry: position_error (3) [m] and attitude_error (3, rotation vector) [rad] in the body frame, joint_error (n)
-    [rad], twist_error (6) [m/s, rad/s], joint_rate_error (n) [rad/s], acceleration_command (6+n) [m/s2, rad/s2].
-
     Args:
         robot: the NOMINAL robot.
         control_period: [s].
@@ -43,6 +40,8 @@ class ComputedTorque(Law):
 
     Raises:
         SpecError: the sampled loop would be unstable, see ``stability_margin``, and ``allow_unstable`` is not set.
+
+    The equations on one screen: ``reference.py``.
 
     Reference: Siciliano et al., "Robotics: Modelling, Planning and Control", 2009, sec. 8.5.2; free-floating inverse
     dynamics after Umetani and Yoshida, IEEE T-RA 5(3), 1989.
@@ -60,6 +59,7 @@ class ComputedTorque(Law):
         allow_unstable: bool = Field(default=False, description="accept gains outside the sampled loop's stable region")
 
     name = "computed_torque"
+    telemetry_fields = ERROR_FIELDS | {"acceleration_command": "a [m/s2, rad/s2]"}
     gains: Gains
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:

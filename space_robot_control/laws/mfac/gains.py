@@ -22,7 +22,7 @@ class EstimatorSpec(Strict):
     )
     beta: PositiveFloat = Field(default=1.0, description="[squared units of the increments, see `units`]")
     floor: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(
-        default=0.1, description="share of Phi(1) below which the estimate starts again [-]"
+        default=0.1, description="share of Phi(1) below which the estimate is reset [-]"
     )
 
 
@@ -31,7 +31,7 @@ class InitialSpec(Strict):
 
     source: Literal["nominal", "push", "pulses"] = Field(
         default="nominal",
-        description="nominal: the nominal robot; push: the answer to a push towards the target, channel by channel "
+        description="nominal: the nominal robot; push: the response to a push towards the target, channel by channel "
         "(19)-(22); pulses: the full matrix from one pulse train per input",
     )
     seconds: PositiveFloat = Field(default=5.0, description="length of the push, or of each pulse train [s]")
@@ -41,14 +41,14 @@ class InitialSpec(Strict):
     trust: PositiveFloat = Field(
         default=0.5, description="largest relative deviation of a fitted gain that is used; above, the nominal one [-]"
     )
-    scale: PositiveFloat = Field(default=1.0, description="Phi(1) is multiplied by this, to try a wrong one [-]")
+    scale: PositiveFloat = Field(default=1.0, description="factor on Phi(1), to try a wrong one [-]")
 
 
 class MfacGains(Law.Gains):
-    """Gains of the model-free law; see docs/laws.md for how to choose them."""
+    """Gains of the model-free law; see docs/laws/mfac.md for how to choose them."""
 
     outputs: tuple[str, ...] = Field(
-        default=(), description="channels: x, y, z, roll, pitch, yaw, joint names; default: all that can be pushed"
+        default=(), description="channels: x, y, z, roll, pitch, yaw, joint names; default: all actuated ones"
     )
     held: tuple[str, ...] = Field(default=(), description="joints taken as rigid")
     form: Literal["rate_augmented", "position"] = Field(

@@ -16,7 +16,7 @@ from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
 from space_robot_control.laws.mfac.tuning import Tuning, adjusted, review, tuning
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.sensing import Sensing
-from space_robot_control.tracking import error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
@@ -31,9 +31,7 @@ class ModelFree(Law):
     starts from Phi(1) (19): from the nominal robot, or from inputs and outputs of the first seconds. Symbols: Phi
     ``PseudoGradient``, rho, lambda, kappa ``Weights``, c ``lead``, sigma, beta ``estimator``.
 
-    Telemetry: the errors every law has; output (m), pseudo_gradient (m m, of the input, SI), innovation (m, in the
-    law's units), resets, gate_count, saturated (m), saturation_share, identifying (0 or 1), initial_gain (m, diag B,
-    SI) and initial_deviation (m, relative, 0 for the nominal one).
+    The equations on one screen: ``reference.py``.
 
     Args:
         robot: the NOMINAL robot: names, limits, and Phi(1) unless the first seconds give it.
@@ -55,6 +53,18 @@ class ModelFree(Law):
         """Gains of the model-free law."""
 
     name = "mfac"
+    telemetry_fields = ERROR_FIELDS | {
+        "output": "z or e of the channels [m, rad]",
+        "pseudo_gradient": "phi of the input, row by row [m/N, rad/(N m)]",
+        "innovation": "dy - Phi dH of the estimator [units of the law]",
+        "resets": "resets of Phi so far [-]",
+        "gate_count": "samples refused by the gate so far [-]",
+        "saturated": "1: the channel is at its limit [-]",
+        "saturation_share": "share of the periods with a channel at its limit [-]",
+        "identifying": "1: a push or pulses determine Phi(1) [-]",
+        "initial_gain": "diagonal of B behind Phi(1) [1/kg, 1/(kg m2)]",
+        "initial_deviation": "relative deviation of initial_gain; 0: the nominal one [-]",
+    }
     gains: Gains
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:

@@ -29,7 +29,7 @@ class Tuning:
 
 
 def tuning(gains: MfacGains, channels: Channels, period: float) -> Tuning:
-    """Return what the gains say, defaults filled in.
+    """Return the gains with defaults filled in.
 
     The loop of z alone obeys z'' + (g/T) (z' + rho z / T) = 0 with g = 1/(1 + kappa): rho = g/4 damps it critically.
     """

@@ -6,7 +6,7 @@ from math import copysign, cos, pi, remainder, sin, tau
 
 from space_robot_description.rotations import Floats, Three, to_rpy
 
-# [-]: at a |cos pitch| below this, roll and yaw are not told apart by a quaternion of doubles.
+# [-]: at a |cos pitch| below this, roll and yaw cannot be separated in a quaternion of doubles.
 LOCKED = 1e-7
 
 

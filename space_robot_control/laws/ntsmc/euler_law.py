@@ -29,7 +29,7 @@ class EulerGains(SlidingGains):
         default=(0.0, 0.0, 0.0), description="unwrapped: the first angles are the ones nearest to these [deg]"
     )
     smallest_cosine: PositiveFloat = Field(
-        default=1e-3, description="|cos pitch| is not taken for less: bounds the rates at the singularity [-]"
+        default=1e-3, description="lower bound of |cos pitch|, which bounds the rates at the singularity [-]"
     )
 
 
@@ -40,12 +40,13 @@ class NtsmcEuler(TerminalSliding):
         w_B' = N theta'' + N' theta'
 
     The rest is ``TerminalSliding`` and ``SlidingMode``, with the same gains. theta' = N^-1 w_B is singular at pitch
-    +-90 deg; ``smallest_cosine`` is the heuristic that keeps it finite.
+    +-90 deg; ``smallest_cosine`` is the heuristic that keeps it finite. The equations on one screen: ``reference.py``
+    and ``reference_euler.py``.
 
     Deviations from the paper:
         This is a RECONSTRUCTION of the controller the paper compares with ([8]: Jia, Shan, IEEE TIE 67(3), 2020),
         whose text is not at hand: everything but the attitude is the quaternion law's, so that a comparison shows the
-        representation alone. What [8] adapts by a norm is per DoF here; Table I's k0, k1, c0 are not told apart.
+        representation alone. What [8] adapts by a norm is per DoF here; Table I's k0, k1, c0 are not separate.
 
     Args:
         robot: the NOMINAL robot.

@@ -75,11 +75,11 @@ class Adaptation(Strict):
     """How the bound of the disturbance is estimated, (29), and what keeps the estimate from growing for ever."""
 
     initial: NonNegativeFloat = Field(default=1e-4, description="K_hat at the start, every DoF [m/s2, rad/s2]")
-    rate: NonNegativeFloat = Field(default=1e-3, description="phi of (29)")
-    leak: NonNegativeFloat = Field(default=0.0, description="K_hat also decays at this rate; 0: the paper's [1/s]")
+    rate: NonNegativeFloat = Field(default=1e-3, description="phi of (29) [s/m, s/rad]")
+    leak: NonNegativeFloat = Field(default=0.0, description="decay rate of K_hat; 0: the paper's [1/s]")
     cap: PositiveFloat | None = Field(default=None, description="largest K_hat; none: the paper's [m/s2, rad/s2]")
     freeze_on_saturation: bool = Field(
-        default=False, description="K_hat stands still while the command is beyond the actuators"
+        default=False, description="K_hat stays constant while the command is beyond the actuators"
     )
 
     @model_validator(mode="after")
@@ -106,13 +106,15 @@ class SlidingGains(Law.Gains):
     )
     exponents: Exponents = Field(default_factory=Exponents, description="p, q, p1, q1, p2, q2 [-]")
     adaptation: Adaptation = Field(default_factory=Adaptation, description="of K_hat [m/s2, rad/s2]")
-    clamp: bool = Field(default=False, description="bound u2 and u3 to what one held command may do")
+    clamp: bool = Field(
+        default=False, description="bound u_2 and u_3 so that one held command does not overshoot s = 0"
+    )
     saturation: Literal["per_axis", "direction_preserving"] = Field(
         default="per_axis",
-        description="how a command beyond the nominal actuators is fitted: each channel clipped, or u - C0 scaled [-]",
+        description="how a command is brought within the nominal actuators: each channel clipped, or u - C0 scaled [-]",
     )
     disturbance_observer: Share = Field(
-        default=0.0, description="share of the newest acceleration residual taken over per period; 0: off [-]"
+        default=0.0, description="share of the newest acceleration residual in the estimate d, per period; 0: off [-]"
     )
 
     def gamma_of(self, robot: Robot) -> Vector:

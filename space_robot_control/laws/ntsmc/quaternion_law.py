@@ -24,6 +24,7 @@ class Ntsmc(TerminalSliding):
         s_rot = sign(w_e) |w_e|^r / Gamma_2 + e_rot        (14)
 
     The rest is ``TerminalSliding`` and ``SlidingMode``; symbols: s, Delta s, xi, K_hat, Gamma, Phi, phi of the paper.
+    The equations on one screen: ``reference.py``.
 
     Deviations from the paper:
         (28c) multiplies K_hat by sat(s/Phi), not by Phi sat(s/Phi): the proof needs K sgn(Delta s), and the printed

@@ -17,7 +17,7 @@ from space_robot_control.laws.ntsmc.kernel.sliding import DELTA, LOOP_GAIN, XI, 
 from space_robot_control.laws.ntsmc.kernel.terminal import DESIRED, accelerate, stack
 from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode, review_loop_gain
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.tracking import TrackingErrors, error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS, TrackingErrors, error_blocks, tracking_errors
 from space_robot_description.kernel.cache import cached
 from space_robot_description.kernel.jit import ready
 from space_robot_description.robot import Robot
@@ -34,11 +34,6 @@ class TerminalSliding(Law):
     Free-floating: no force acts on the base, so its translation has no sliding variable; it follows from the zero-force
     rows of the nominal model. Every (m) below is then 3+n instead of 6+n: rotation and joints, and so is x'.
 
-    Telemetry: the errors every law has, ``sliding_variable`` s (m), ``sliding_excess`` Delta s (m), ``xi`` (m),
-    ``adaptive_gain`` K_hat (m) [m/s2, rad/s2], ``eta_error`` [-], ``loop_gain`` (m) [-], ``command_unsaturated`` (6+n)
-    [N, N m], ``command_norm`` of it, ``command_saturated`` (1 where it was beyond the nominal actuators: the command
-    fits, so the plant's own flags stay 0), ``disturbance_estimate`` d (6+n) [m/s2, rad/s2].
-
     Args:
         robot: the NOMINAL robot.
         control_period: T [s].
@@ -46,6 +41,18 @@ class TerminalSliding(Law):
     """
 
     Gains = SlidingGains
+    telemetry_fields = ERROR_FIELDS | {
+        "sliding_variable": "s [m, rad]",
+        "sliding_excess": "Delta s, s outside the boundary layer [m, rad]",
+        "xi": "xi = |e'|^(r-1) / Gamma Delta s [-]",
+        "adaptive_gain": "K_hat, as used for this command [m/s2, rad/s2]",
+        "eta_error": "scalar part of the error quaternion, signed [-]",
+        "loop_gain": "shift of s by one held command, over s; above about 1 the DoF chatters [-]",
+        "command_unsaturated": "u before the limits of the nominal actuators [N, N m]",
+        "command_norm": "norm of command_unsaturated [N, N m]",
+        "command_saturated": "1: it was beyond the limits; the command fits, so the plant's own flags stay 0 [-]",
+        "disturbance_estimate": "d of the observer [m/s2, rad/s2]",
+    }
     gains: SlidingGains
 
     def __init__(self, robot: Robot, control_period: float, gains: SlidingGains | None = None) -> None:

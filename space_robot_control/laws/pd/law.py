@@ -12,7 +12,7 @@ from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.sampled_stability import stability_margin
 from space_robot_control.sensing import FilterSpec, Sensing
-from space_robot_control.tracking import error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
 from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
@@ -25,8 +25,6 @@ class ProportionalDerivative(Law):
     e and e' are the outputs of ``Channels`` and ``Sensing``: attitude as 2 epsilon of the error quaternion. There is no
     feed-forward and no model of the motion: B is the same prior knowledge as Phi(1) of the model-free law.
 
-    Telemetry: the errors every law has, output (m), output_rate (m), gate_count, gains_inverse (m) = diag(B).
-
     Args:
         robot: the NOMINAL robot.
         control_period: [s].
@@ -34,6 +32,8 @@ class ProportionalDerivative(Law):
 
     Raises:
         SpecError: a channel the robot does not have.
+
+    The equations on one screen: ``reference.py``.
 
     Deviations from the paper: Song et al. (2023) compare with nothing; this baseline is ours.
     """
@@ -54,6 +54,12 @@ class ProportionalDerivative(Law):
         filter: FilterSpec | None = Field(default=None, description="rates from positions, and a gate; default: none")
 
     name = "pd"
+    telemetry_fields = ERROR_FIELDS | {
+        "output": "e of the channels [m, rad]",
+        "output_rate": "e' of the channels [m/s, rad/s]",
+        "gate_count": "samples refused by the gate so far [-]",
+        "gains_inverse": "diagonal of B [1/kg, 1/(kg m2)]",
+    }
     gains: Gains
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:

@@ -229,13 +229,3 @@ def test_every_gain_says_what_it_is_and_in_which_unit() -> None:
         for key, field in law_class(name).Gains.model_fields.items():
             assert field.description, key
             assert "[" in field.description or not isinstance(field.default, float), key
-
-
-def test_documentation_names_every_law_gain_and_block() -> None:
-    """docs/laws.md mentions each built-in law, each gain and each block of telemetry."""
-    text = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
-    for name in registry.BUILT_IN:
-        law = make_law(name, FLOATING, 0.1)
-        gains = [field.alias or key for key, field in law.Gains.model_fields.items()]
-        for word in (name, *gains, *law.update(state_at(), reference_at()).telemetry.labels):
-            assert f"`{word}`" in text

@@ -176,7 +176,7 @@ import numpy as np
 from space_robot_msgs_py.interfaces import Command
 from space_robot_sim.spec import IntegratorSpec
 from space_robot_sim.plant import InitialState, SimulatedRobot
-from tests.robots import arm_model, random_state, robot_of
+from tests.support.robots import arm_model, random_state, robot_of
 
 state = random_state(np.random.default_rng(0), 7, 0.05)
 robot = robot_of(arm_model())
