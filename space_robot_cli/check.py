@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import compose
-from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment
 from space_robot_bringup.modes.compilation import notice
 from space_robot_description.share import is_file, shipped
 from space_robot_description.spec import Strict
@@ -48,6 +48,17 @@ def kind_of(name_or_path: str) -> str:
         data: Any = parse_yaml(path)
         return "paper" if "figures" in data else "campaign" if "experiment" in data else "experiment"
     return next((kind for kind, folder in FOLDERS.items() if name_or_path in shipped(folder)), "experiment")
+
+
+def schema_of(kind: str) -> dict[str, Any]:
+    """The JSON schema of a kind of file.
+
+    Raises:
+        SpecError: there is no such kind.
+    """
+    if kind not in KINDS:
+        raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join(KINDS))
+    return file_schema() if kind == "experiment" else KINDS[kind].model_json_schema()
 
 
 def check_file(

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import Composition, compose, versions
-from space_robot_bringup.experiment.experiment import experiment_from, experiment_path, located, with_overrides
+from space_robot_bringup.experiment.experiment import experiment_from, located, read_experiment, with_overrides
 from space_robot_bringup.replay.foreign_bag import foreign_rows
-from space_robot_description.validation import parse_yaml, parse_yaml_text
+from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import LogError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.arrays import Row
@@ -61,9 +61,8 @@ def open_recording(
     """
     bag = Bag(path)
     if experiment is not None:
-        where = experiment_path(experiment)
-        data = located(parse_yaml(where), where.parent)
-        composition, changes = _composed(data, experiment, overrides)
+        file = read_experiment(experiment)
+        composition, changes = _composed(located(file.content, file.folder), file.where, overrides)
         rows, remarks = foreign_rows(bag, composition.joint_names, namespace)
         _check_period(rows, composition)
         return Recording(path, composition, lambda: iter(rows), None, changes, {}, tuple(remarks), foreign=True)

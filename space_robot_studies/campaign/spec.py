@@ -7,8 +7,9 @@ from typing import Any, Self
 
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
+from space_robot_bringup.experiment.base import with_base
 from space_robot_bringup.experiment.dotted_keys import set_key
-from space_robot_bringup.experiment.experiment import Expectation, experiment_from, experiment_path, located
+from space_robot_bringup.experiment.experiment import Expectation, experiment_from, located, read_experiment
 from space_robot_description.load import load_robot
 from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.spec import Strict
@@ -134,10 +135,10 @@ def _experiment(campaign: Campaign, path: Path) -> dict[str, Any]:
     """The experiment all runs start from, with every default written out."""
     if isinstance(campaign.experiment, str):
         beside = path.parent / campaign.experiment
-        source = beside if is_file(beside) else experiment_path(campaign.experiment)
-        data = located(parse_yaml(source), source.parent)
+        file = read_experiment(beside if is_file(beside) else campaign.experiment)
+        data = located(file.content, file.folder)
     else:
-        data = located(campaign.experiment, path.parent)
+        data = located(with_base(campaign.experiment, path.parent, f"{path} experiment"), path.parent)
     for key, value in campaign.set.items():
         set_key(data, key, value, f"set.{key}")
     experiment = experiment_from(data, f"{path.name} experiment")

@@ -12,7 +12,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.experiment.experiment import Experiment, experiment_path, overridden
+from space_robot_bringup.experiment.experiment import Experiment, ExperimentFile, read_experiment
 from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.validation import nearest, parse_yaml, validate
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
@@ -174,7 +174,7 @@ class _Planner:
         self._known: dict[str, DistinctRun] = {}
         self._names: set[str] = set()
         # Reading a file takes longer than everything else about a run.
-        self._contents: dict[str, dict[str, Any]] = {}
+        self._files: dict[str, ExperimentFile] = {}
 
     def expand(self, label: str, group: RunGroup, key: str) -> tuple[PlannedRun, ...]:
         """The runs of a group, varied values or points first, seeds or draws innermost."""
@@ -211,9 +211,9 @@ class _Planner:
         # JSON is YAML: the value reads back as it stands in the manifest (a date as its text).
         overrides = tuple(f"{path}={json.dumps(value, default=str)}" for path, value in values.items())
         try:
-            if argument not in self._contents:
-                self._contents[argument] = parse_yaml(experiment_path(argument))
-            experiment = overridden(self._contents[argument], argument, overrides)
+            if argument not in self._files:
+                self._files[argument] = read_experiment(argument)
+            experiment = self._files[argument].experiment(overrides)
         except SpaceRobotError as error:
             raise SpecError(str(error), key=key) from None
         content = experiment.model_dump_json()

@@ -16,8 +16,8 @@ from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.campaign.cases import check_cases, make_case
-from space_robot_studies.campaign.distributions import Draw
 from space_robot_studies.campaign.directory import to_yaml
+from space_robot_studies.campaign.distributions import Draw
 from space_robot_studies.campaign.spec import Campaign, load_campaign
 
 DISPERSE: dict[str, Any] = {
