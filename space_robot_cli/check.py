@@ -1,4 +1,4 @@
-"""What ``space-robot check`` says of a file before anything is flown: an experiment, a campaign or a paper."""
+"""What ``space-robot check`` says of a file before the first run: an experiment, a campaign or a paper."""
 
 from __future__ import annotations
 
@@ -64,13 +64,13 @@ def schema_of(kind: str) -> dict[str, Any]:
 def check_file(
     name_or_path: str, kind: str, overrides: Sequence[str] = (), say: Callable[[str], None] = lambda line: None
 ) -> Checked:
-    """Check everything that can be checked without flying.
+    """Check everything that can be checked before a run.
 
     Args:
         name_or_path: shipped name or YAML file.
         kind: see ``kind_of``.
         overrides: ``dotted.key=value`` of an experiment.
-        say: told what has to be compiled before the answer.
+        say: called with what has to be compiled before the answer.
 
     Raises:
         SpaceRobotError: what is wrong; the message names the key.
