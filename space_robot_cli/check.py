@@ -1,4 +1,4 @@
-"""What ``space-robot check`` says of a file before anything is flown: an experiment, a campaign or a paper."""
+"""What ``space-robot check`` says of a file before the first run: an experiment, a campaign or a paper."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import compose
-from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment
 from space_robot_bringup.modes.compilation import notice
 from space_robot_description.share import is_file, shipped
 from space_robot_description.spec import Strict
@@ -50,16 +50,27 @@ def kind_of(name_or_path: str) -> str:
     return next((kind for kind, folder in FOLDERS.items() if name_or_path in shipped(folder)), "experiment")
 
 
+def schema_of(kind: str) -> dict[str, Any]:
+    """The JSON schema of a kind of file.
+
+    Raises:
+        SpecError: there is no such kind.
+    """
+    if kind not in KINDS:
+        raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join(KINDS))
+    return file_schema() if kind == "experiment" else KINDS[kind].model_json_schema()
+
+
 def check_file(
     name_or_path: str, kind: str, overrides: Sequence[str] = (), say: Callable[[str], None] = lambda line: None
 ) -> Checked:
-    """Check everything that can be checked without flying.
+    """Check everything that can be checked before a run.
 
     Args:
         name_or_path: shipped name or YAML file.
         kind: see ``kind_of``.
         overrides: ``dotted.key=value`` of an experiment.
-        say: told what has to be compiled before the answer.
+        say: called with what has to be compiled before the answer.
 
     Raises:
         SpaceRobotError: what is wrong; the message names the key.

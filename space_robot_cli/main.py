@@ -190,11 +190,9 @@ def schema(
     kind: Annotated[str, typer.Argument(help="experiment, campaign or paper")] = "experiment",
 ) -> None:
     """Print the JSON schema of experiment, campaign or paper files, for editors."""
-    from space_robot_cli.check import KINDS
+    from space_robot_cli.check import schema_of
 
-    if kind not in KINDS:
-        raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join(KINDS))
-    print(json.dumps(KINDS[kind].model_json_schema(), indent=2))
+    print(json.dumps(schema_of(kind), indent=2))
 
 
 def _fly(

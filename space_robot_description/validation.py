@@ -96,7 +96,11 @@ def _spec_error(
     key = f"{where}{dotted}".rstrip(".") if where.endswith(".") else f"{where} {dotted}".strip()
     more = f" (and {others} more)" if others else ""
     if kind == "extra_forbidden":
-        valid = _valid_keys(model_class, tuple(first["loc"][:-1]))
+        models = _models_at(model_class, tuple(first["loc"][:-1]))
+        for model in models:
+            if new := getattr(model, "RENAMED", {}).get(path[-1]):
+                return SpecError(f"was renamed{more}", key=key, accepted=new)
+        valid = _valid_keys(models)
         guess = nearest(path[-1], valid)
         accepted = f"did you mean {guess}? valid: {', '.join(valid)}" if guess else ", ".join(valid)
         return SpecError(f"unknown key{more}", key=key, accepted=accepted)
@@ -124,7 +128,7 @@ def _data_path(problem: Mapping[str, Any], data: object) -> tuple[str | int, ...
     return tuple(path)
 
 
-def _valid_keys(model_class: type[BaseModel], loc: tuple[str | int, ...]) -> list[str]:
+def _models_at(model_class: type[BaseModel], loc: tuple[str | int, ...]) -> list[type[BaseModel]]:
     candidates: list[type[BaseModel]] = [model_class]
     for part in loc:
         inner = [
@@ -137,7 +141,11 @@ def _valid_keys(model_class: type[BaseModel], loc: tuple[str | int, ...]) -> lis
         tagged = [model for model in candidates if part in _tags(model) or part == model.__name__]
         # List indices and mapping keys change nothing: the models inside were collected with the container.
         candidates = inner or tagged or candidates
-    keys = (field.alias or name for model in candidates for name, field in model.model_fields.items())
+    return candidates
+
+
+def _valid_keys(models: Sequence[type[BaseModel]]) -> list[str]:
+    keys = (field.alias or name for model in models for name, field in model.model_fields.items())
     return list(dict.fromkeys(keys))
 
 

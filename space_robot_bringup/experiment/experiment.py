@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -13,6 +14,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 from ruamel.yaml.scalarstring import LiteralScalarString
 
+from space_robot_bringup.experiment.base import BASE, with_base
 from space_robot_bringup.experiment.controller import ControllerSpec, check_controller
 from space_robot_bringup.experiment.dotted_keys import LAW_KEY, set_key
 from space_robot_bringup.experiment.plant import AnyPlant, ModelSpec, PlantSpec
@@ -128,19 +130,34 @@ def load_experiment(name_or_path: StrPath, overrides: Overrides = ()) -> Experim
         InputFileError: there is no such file or shipped experiment.
         SpecError: a key or value cannot be used.
     """
-    return overridden(parse_yaml(experiment_path(name_or_path)), name_or_path, overrides)
+    return read_experiment(name_or_path).experiment(overrides)
 
 
-def overridden(content: Mapping[str, Any], name_or_path: StrPath, overrides: Overrides) -> Experiment:
-    """The experiment of a file that has been read: see ``load_experiment``, of which this is the second half.
+@dataclass(frozen=True, slots=True)
+class ExperimentFile:
+    """An experiment file that has been read and is not yet checked.
 
-    Args:
-        content: of the file; it is not changed.
-        name_or_path: of the file.
-        overrides: see ``load_experiment``.
+    Attributes:
+        content: with the base merged in.
+        folder: where relative paths in it start.
+        where: names it, and its base, in errors.
     """
+
+    content: Mapping[str, Any]
+    folder: Path
+    where: str
+
+    def experiment(self, overrides: Overrides = ()) -> Experiment:
+        """The second half of ``load_experiment``."""
+        return experiment_from(located(with_overrides(self.content, overrides), self.folder), self.where)
+
+
+def read_experiment(name_or_path: StrPath) -> ExperimentFile:
+    """Read an experiment file and its base; the first half of ``load_experiment``."""
     path = experiment_path(name_or_path)
-    return experiment_from(located(with_overrides(content, overrides), path.parent), os.fspath(name_or_path))
+    content = parse_yaml(path)
+    base = f" (base {content[BASE]})" if BASE in content else ""
+    return ExperimentFile(with_base(content, path.parent, str(path)), path.parent, f"{os.fspath(name_or_path)}{base}")
 
 
 def with_overrides(content: Mapping[str, Any], overrides: Overrides) -> dict[str, Any]:
@@ -189,7 +206,14 @@ def located(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
-    """Check a mapping as an experiment; the time base is checked too."""
+    """Check a mapping as an experiment; the time base is checked too.
+
+    Raises:
+        SpecError: a key or value cannot be used, or there is a base: only files have one, and logs are whole.
+    """
+    if BASE in data:
+        what = "is for experiment files: a resolved experiment is whole"
+        raise SpecError(what, key=f"{where} {BASE}", value=data[BASE], accepted="its content")
     experiment = validate(Experiment, dict(data), where)
     _ = experiment.steps
     check_controller(experiment.controller, experiment.control_period)
@@ -200,6 +224,25 @@ def experiment_path(name_or_path: StrPath) -> Path:
     """The file of a shipped experiment, or the given path."""
     message = "no such experiment file or shipped experiment"
     return shipped_or_file(name_or_path, "experiments", key="experiment", message=message)
+
+
+def file_schema() -> dict[str, Any]:
+    """The JSON schema of experiment files, for editors.
+
+    A file with a base may leave out, or say null for, whatever its base has: only its keys can be checked.
+    """
+    whole = Experiment.model_json_schema()
+    definitions = whole.pop("$defs")
+    keys = {name: {"description": spec.get("description", "")} for name, spec in whole["properties"].items()}
+    base = {"type": "string", "description": "a YAML file relative to this one, or a shipped experiment"}
+    differing = {
+        "description": "What differs from a base: sections are merged, null removes a key.",
+        "type": "object",
+        "properties": {BASE: base, **keys},
+        "required": [BASE],
+        "additionalProperties": False,
+    }
+    return {"title": whole["title"], "type": "object", "$defs": definitions, "anyOf": [whole, differing]}
 
 
 def to_yaml(experiment: Experiment) -> str:

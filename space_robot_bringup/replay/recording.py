@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -15,14 +14,14 @@ from space_robot_bringup.experiment.controller import ControllerSpec
 from space_robot_bringup.experiment.experiment import (
     Overrides,
     experiment_from,
-    experiment_path,
     located,
+    read_experiment,
     with_overrides,
 )
 from space_robot_bringup.logs.logged import compose_logged, confined, law_policy, typed_in
 from space_robot_bringup.replay.foreign_bag import foreign_rows
 from space_robot_control.laws.policy import LawPolicy
-from space_robot_description.validation import parse_yaml, parse_yaml_text
+from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import LogError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.arrays import Row
@@ -98,10 +97,10 @@ def open_recording(
     """
     bag = Bag(path)
     if experiment is not None:
-        where = experiment_path(experiment)
-        data = located(parse_yaml(where), where.parent)
+        file = read_experiment(experiment)
         # The user typed the name of this file, so it may name code as for a run.
-        composition, changes = _composed(data, os.fspath(experiment), overrides, Code(code.laws, allowed=True))
+        data, allowed = located(file.content, file.folder), Code(code.laws, allowed=True)
+        composition, changes = _composed(data, file.where, overrides, allowed)
         rows, remarks = foreign_rows(bag, composition.joint_names, namespace)
         _check_period(rows, composition)
         return Recording(path, composition, lambda: iter(rows), None, changes, {}, tuple(remarks), foreign=True)

@@ -71,7 +71,7 @@ def _aside(index: int) -> float:
 
 
 def _color(chart: Chart, flown: FigureResult, group: str) -> str:
-    """One color per group: the abscissa tells the runs of a sweep apart."""
+    """One color per group: the abscissa tells the runs of a group apart."""
     style = chart.style.get(group)
     index = list(flown.figure.runs).index(group)
     return style.color if style and style.color else PALETTE[index % len(PALETTE)]

@@ -13,7 +13,7 @@ from space_robot_studies.reproduce.measures import FinishedRun
 from space_robot_studies.reproduce.reproduction import FigureResult
 
 LINES = ("solid", "dashed", "dashdot", "dotted")
-# Larger groups are one cloud of thin curves with one entry in the legend; a sweep has shades for more.
+# Larger groups are one cloud of thin curves with one entry in the legend; varied values have shades for more.
 SINGLY, SHADES, CROWDED = 4, 8, 0.35
 
 
@@ -73,7 +73,7 @@ def _members(flown: FigureResult, group: str) -> list[str]:
 
 
 def _is_cloud(flown: FigureResult, group: str) -> bool:
-    return len(_members(flown, group)) > (SHADES if flown.figure.runs[group].sweep else SINGLY)
+    return len(_members(flown, group)) > (SHADES if flown.figure.runs[group].vary else SINGLY)
 
 
 def _curve(panel: Panel, flown: FigureResult, runs: list[FinishedRun], run: FinishedRun, signal: str) -> Curve:
@@ -105,30 +105,30 @@ def _look(
     index = [name for name in panel.signals if not _is_given(name)].index(signal)
     if len({other.label for other, _ in runs}) == 1:
         return PALETTE[index % len(PALETTE)], "solid", 1.4
-    line = LINES[(index + _nth_sweep(flown, runs, run[0].group)) % len(LINES)]
+    line = LINES[(index + _nth_varied(flown, runs, run[0].group)) % len(LINES)]
     return _color(flown, run), line, 0.7 if _is_cloud(flown, run[0].group) else 1.4
 
 
 def _color(flown: FigureResult, run: FinishedRun) -> str:
-    """A shade of a sweep, or the next of the palette: one for each run of a small group, one for a large one."""
+    """A shade of what is varied, or the next of the palette: one for each run of a small group, one for a large one."""
     groups = list(flown.figure.runs)
     members = {group: _members(flown, group) for group in groups}
     mine = members[run[0].group]
-    sweeps = [group for group in groups if flown.figure.runs[group].sweep and len(members[group]) > 1]
-    if run[0].group in sweeps:
+    varied = [group for group in groups if flown.figure.runs[group].vary and len(members[group]) > 1]
+    if run[0].group in varied:
         share = mine.index(run[0].label) / (len(mine) - 1)
         return str(mpl.colors.to_hex(mpl.colormaps["viridis"](0.05 + 0.85 * share)))
-    before = [group for group in groups[: groups.index(run[0].group)] if group not in sweeps]
+    before = [group for group in groups[: groups.index(run[0].group)] if group not in varied]
     taken = sum(1 if _is_cloud(flown, group) else len(members[group]) for group in before)
     own = 0 if _is_cloud(flown, run[0].group) else mine.index(run[0].label)
     return PALETTE[(taken + own) % len(PALETTE)]
 
 
-def _nth_sweep(flown: FigureResult, runs: list[FinishedRun], group: str) -> int:
-    """All sweeps have the same shades: what tells the second of a panel from the first is its line."""
+def _nth_varied(flown: FigureResult, runs: list[FinishedRun], group: str) -> int:
+    """All varied groups have the same shades: what tells the second of a panel from the first is its line."""
     shown_groups = dict.fromkeys(run.group for run, _ in runs)
-    sweeps = [label for label in shown_groups if flown.figure.runs[label].sweep]
-    return sweeps.index(group) if group in sweeps else 0
+    varied = [label for label in shown_groups if flown.figure.runs[label].vary]
+    return varied.index(group) if group in varied else 0
 
 
 def _label(panel: Panel, flown: FigureResult, runs: list[FinishedRun], run: FinishedRun, signal: str) -> str:

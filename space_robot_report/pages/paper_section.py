@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.experiment.experiment import Experiment, experiment_path
+from space_robot_bringup.experiment.experiment import Experiment, read_experiment
 from space_robot_bringup.logs.assessed import JudgedLog
 from space_robot_description.share import is_file, shipped
-from space_robot_description.validation import parse_yaml
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_report.pages.plots import Plot, Steps, Trace
 from space_robot_report.palette import PALETTE
@@ -89,7 +88,7 @@ def _belonging(experiment: Experiment) -> Iterator[tuple[str, Manifest, str, Fig
 def _identity(name: str, folder: Path) -> tuple[Any, Any] | None:
     try:
         path = folder / name
-        data = parse_yaml(path if is_file(path) else experiment_path(name))
+        data = read_experiment(path if is_file(path) else name).content
     except SpaceRobotError:
         return None
     return data.get("title", ""), data.get("source", "")

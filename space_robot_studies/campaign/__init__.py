@@ -1,1 +1,1 @@
-"""Many runs of one experiment: what strays, who flies them, what they add up to."""
+"""Many runs of one experiment: what is dispersed and varied, how they are run, what they add up to."""

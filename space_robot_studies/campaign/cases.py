@@ -76,6 +76,8 @@ def make_case(campaign: Campaign, index: int) -> Case:
     child = np.random.SeedSequence(campaign.seed, spawn_key=(run,))
     drawn = {key: _sample(campaign, key, child) for key in campaign.disperse}
     seed = int(child.generate_state(1, np.uint64)[0] >> np.uint64(64 - SEED_BITS))
+    if campaign.seed_list:
+        seed = campaign.seed_list[run]
     data: dict[str, Any] = plain(campaign.experiment) | {"seed": seed}
     for section, values in (("vary", point.values), ("disperse", drawn)):
         for key, value in values.items():

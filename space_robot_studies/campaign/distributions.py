@@ -69,7 +69,7 @@ class Rotation(Strict):
 
 
 class Draw(Strict):
-    """How one key strays: exactly one of these."""
+    """How one key is dispersed: exactly one of these."""
 
     uniform: Uniform | None = None
     normal: Normal | None = None

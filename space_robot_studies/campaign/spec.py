@@ -1,43 +1,38 @@
-"""The campaign file: one experiment, what strays, what is varied on purpose, and how many runs."""
+"""The campaign file: one experiment, what is dispersed, what is varied on purpose, and how many runs."""
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
-from math import prod
 from pathlib import Path
 from typing import Any, Self
 
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
+from space_robot_bringup.experiment.base import with_base
 from space_robot_bringup.experiment.dotted_keys import set_key
-from space_robot_bringup.experiment.experiment import Expectation, experiment_from, experiment_path, located
+from space_robot_bringup.experiment.experiment import Expectation, experiment_from, located, read_experiment
 from space_robot_description.load import load_robot
 from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.spec import Strict, Title
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.paths import StrPath
 from space_robot_studies.campaign.distributions import Draw
+from space_robot_studies.campaign.variation import (
+    VARY,
+    Point,
+    Seeds,
+    Vary,
+    check_seeds,
+    check_vary,
+    count_points,
+    point_at,
+    seed_list,
+)
 
 # Keys whose value may point at a file beside the campaign file.
 POINTING = ("robot", "reference")
-# All of them are checked before the first is flown, which takes a millisecond each, and held in memory at the end.
-MOST_CASES = 100_000
-
-
-@dataclass(frozen=True, slots=True)
-class Point:
-    """One combination of what is varied on purpose.
-
-    Attributes:
-        labels: key to what stands for its value in tables.
-        values: key to value.
-    """
-
-    labels: Mapping[str, Any]
-    values: Mapping[str, Any]
+# All of them are checked before the first is run, which takes a millisecond each, and held in memory at the end.
+MAX_CASES = 100_000
 
 
 class Campaign(Strict):
@@ -51,33 +46,49 @@ class Campaign(Strict):
     source: Title = Field(default="", description="paper and figure this reproduces")
     experiment: str | dict[str, Any]
     set: dict[str, Any] = Field(default_factory=dict, description="dotted key of the experiment -> value, for all runs")
-    runs: PositiveInt = Field(description="runs per point of the grid")
+    seeds: Seeds = Field(default=(), description="of the experiments, run by run, instead of drawn ones")
+    runs: PositiveInt = Field(description="runs per point of the grid; default: one per seed in seeds")
     seed: NonNegativeInt = Field(default=0, description="of all draws, and of the seeds of the runs")
-    disperse: dict[str, Draw] = Field(default_factory=dict, description="dotted key of the experiment -> how it strays")
-    vary: dict[str, tuple[Any, ...] | dict[str, Any]] = Field(
-        default_factory=dict, description="dotted key -> its values, or label -> value; all combinations are flown"
-    )
+    disperse: dict[str, Draw] = Field(default_factory=dict, description="dotted key -> how it is dispersed")
+    vary: Vary = Field(default_factory=dict, description=VARY)
     expect: dict[str, Expectation] = Field(default_factory=dict, description="number of the summary -> bound")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _runs_of_seeds(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "runs" in data:
+            return data
+        seeds = data.get("seeds")
+        count = seeds.get("count") if isinstance(seeds, dict) else len(seeds) if isinstance(seeds, list | tuple) else 0
+        return data | {"runs": count} if count else data
+
     @model_validator(mode="after")
-    def _can_fly(self) -> Self:
-        for key, values in self.vary.items():
-            if not values:
-                raise ValueError(f"vary.{key} has no value")
-            if key in self.disperse:
-                raise ValueError(f"{key} is both varied and dispersed")
+    def _can_run(self) -> Self:
+        check_vary(self.vary)
+        check_seeds(self.seeds)
+        if twice := self.vary.keys() & self.disperse.keys():
+            raise ValueError(f"{min(twice)} is both varied and dispersed")
+        if self.seed_list and "seed" in self.vary.keys() | self.disperse.keys():
+            raise ValueError("seed is both listed in seeds and varied or dispersed")
+        if self.seed_list and self.runs > len(self.seed_list):
+            raise ValueError(f"{self.runs} runs, but {len(self.seed_list)} seeds")
         for key, draw in self.disperse.items():
             other = self.disperse.get(draw.same_as or "")
             if draw.same_as is not None and (other is None or other.same_as is not None):
                 raise ValueError(f"disperse.{key}.same_as must name a key that is drawn by itself")
-        if self.cases > MOST_CASES:
-            raise ValueError(f"{self.cases} cases; at most {MOST_CASES}")
+        if self.cases > MAX_CASES:
+            raise ValueError(f"{self.cases} cases; at most {MAX_CASES}")
         return self
+
+    @property
+    def seed_list(self) -> tuple[int, ...]:
+        """Every seed of the experiments, in order; empty where they are drawn."""
+        return seed_list(self.seeds)
 
     @property
     def points(self) -> int:
         """Number of combinations of what is varied; 1 where nothing is."""
-        return prod(len(values) for values in self.vary.values())
+        return count_points(self.vary)
 
     @property
     def cases(self) -> int:
@@ -86,12 +97,7 @@ class Campaign(Strict):
 
     def point(self, at: int) -> Point:
         """One combination of what is varied; the last key varies fastest."""
-        labels, values = {}, {}
-        for key, choices in reversed(self.vary.items()):
-            at, which = divmod(at, len(choices))
-            labelled = list(choices.items()) if isinstance(choices, dict) else [(_label(c), c) for c in choices]
-            labels[key], values[key] = labelled[which]
-        return Point({key: labels[key] for key in self.vary}, {key: values[key] for key in self.vary})
+        return point_at(self.vary, at)
 
 
 def load_campaign(name_or_path: StrPath, runs: int | None = None) -> Campaign:
@@ -105,7 +111,11 @@ def load_campaign(name_or_path: StrPath, runs: int | None = None) -> Campaign:
         InputFileError: there is no such file.
         SpecError: a key or value cannot be used.
     """
-    path, campaign = campaign_path(name_or_path), read_campaign(name_or_path, runs)
+    return resolved(read_campaign(name_or_path, runs), campaign_path(name_or_path))
+
+
+def resolved(campaign: Campaign, path: Path) -> Campaign:
+    """A campaign that stands in this file with its experiment in it; see ``load_campaign``."""
     return campaign.model_copy(update={"experiment": _experiment(campaign, path), "set": {}})
 
 
@@ -114,7 +124,7 @@ def read_campaign(name_or_path: StrPath, runs: int | None = None) -> Campaign:
     path = campaign_path(name_or_path)
     data = parse_yaml(path)
     campaign = validate(Campaign, data if runs is None else data | {"runs": runs}, os.fspath(name_or_path))
-    return _with_files(campaign, path.parent)
+    return with_files(campaign, path.parent)
 
 
 def campaign_path(name_or_path: StrPath) -> Path:
@@ -127,17 +137,17 @@ def _experiment(campaign: Campaign, path: Path) -> dict[str, Any]:
     """The experiment all runs start from, with every default written out."""
     if isinstance(campaign.experiment, str):
         beside = path.parent / campaign.experiment
-        source = beside if is_file(beside) else experiment_path(campaign.experiment)
-        data = located(parse_yaml(source), source.parent)
+        file = read_experiment(beside if is_file(beside) else campaign.experiment)
+        data = located(file.content, file.folder)
     else:
-        data = located(campaign.experiment, path.parent)
+        data = located(with_base(campaign.experiment, path.parent, f"{path} experiment"), path.parent)
     for key, value in campaign.set.items():
         set_key(data, key, value, f"set.{key}")
     experiment = experiment_from(data, f"{path.name} experiment")
     return experiment.model_dump(mode="json") | {"robot": dict(load_robot(experiment.robot).resolved)}
 
 
-def _with_files(campaign: Campaign, folder: Path) -> Campaign:
+def with_files(campaign: Campaign, folder: Path) -> Campaign:
     """The campaign with paths that are relative to its file made whole."""
 
     def whole(key: str, value: Any) -> Any:
@@ -155,7 +165,3 @@ def _with_files(campaign: Campaign, folder: Path) -> Campaign:
     }
     constant = {key: whole(key, value) for key, value in campaign.set.items()}
     return campaign.model_copy(update={"vary": vary, "disperse": disperse, "set": constant})
-
-
-def _label(value: Any) -> Any:
-    return value if isinstance(value, str | int | float | None) else json.dumps(value, sort_keys=True, default=str)

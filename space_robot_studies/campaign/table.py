@@ -1,4 +1,4 @@
-"""The one table of a campaign: a row per case, the same bytes whoever flew it and in whatever order."""
+"""The one table of a campaign: a row per case, the same bytes whatever ran it and in whatever order."""
 
 from __future__ import annotations
 

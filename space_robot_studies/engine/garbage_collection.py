@@ -1,4 +1,4 @@
-"""How often a process that only flies looks for garbage."""
+"""How often a process that only runs experiments collects garbage."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import gc
 def collect_rarely() -> None:
     """Look for cycles of garbage a hundred times less often, and not in what is loaded already.
 
-    A flight keeps all its ticks, tens of thousands of objects that refer to nothing: searching them again and again
+    A run keeps all its ticks, tens of thousands of objects that refer to nothing: searching them again and again
     takes a fifth of its time.
     """
     gc.freeze()

@@ -93,7 +93,7 @@ class Spawner:
                 self._send(("kill", worker.pid))
 
     def exit_code(self, worker: WorkerProcess) -> int | None:
-        """How a worker ended whose connection is at its end: a status, or minus a signal; None: nobody knows."""
+        """How a worker ended whose connection is at its end: a status, or minus a signal; None: not known."""
         while worker.pid not in self._ended:
             if not wait([self._channel], END_SECONDS):
                 return None

@@ -15,7 +15,7 @@ Matrix = npt.NDArray[np.float64]
 
 # An axis is the direction of a rate: below this share of the largest rate it is noise.
 TURNING = 0.01
-LEAST_ANGLE = 1e-6  # [rad]
+MIN_ANGLE = 1e-6  # [rad]
 
 
 def axis_distances(attitude: Matrix, omega: Matrix, goal: Vector) -> tuple[Vector, npt.NDArray[np.bool_]]:
@@ -41,7 +41,7 @@ def axis_distances(attitude: Matrix, omega: Matrix, goal: Vector) -> tuple[Vecto
     axis = np.array(rotate(attitude[0], log(relative(attitude[0], goal))))
     angle = float(np.linalg.norm(axis))
     rate = np.linalg.norm(omega, axis=1)
-    if not (angle > LEAST_ANGLE and float(rate.max()) > 0.0):
+    if not (angle > MIN_ANGLE and float(rate.max()) > 0.0):
         raise NonFiniteError("no rotation to judge", key="attitude", value=angle, accepted="a start away from the goal")
     turning = rate > TURNING * rate.max()
     inertial = np.array([rotate(q, w) for q, w in zip(attitude, omega, strict=True)])
@@ -61,7 +61,7 @@ def path_ratios(attitude: Matrix, goal: Vector) -> Vector:
         NonFiniteError: start and goal are one attitude.
     """
     geodesic = float(np.linalg.norm(log(relative(attitude[0], goal))))
-    if not geodesic > LEAST_ANGLE:
+    if not geodesic > MIN_ANGLE:
         raise NonFiniteError("no path to judge", key="attitude", value=geodesic, accepted="a start away from the goal")
     steps = [float(np.linalg.norm(log(relative(a, b)))) for a, b in pairwise(attitude)]
     return np.concatenate(([0.0], np.cumsum(steps))) / geodesic

@@ -159,7 +159,7 @@ def _check_axis(runs: Sequence[PlannedRun], axis: str, scale: str, key: str) -> 
     for run in runs:
         value = run.values.get(axis)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            accepted = "a key that every group sets or sweeps to numbers"
+            accepted = "a key that every group sets or varies to numbers"
             raise SpecError(f"{run.label} has no such number", key=key, value=axis, accepted=accepted)
         if scale == "log" and value <= 0:
             raise SpecError("has no place on this scale", key=f"{key}_scale", value=value, accepted="numbers > 0")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from math import prod
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
 from space_robot_description.spec import Strict
+from space_robot_studies.campaign.distributions import Draw
+from space_robot_studies.campaign.variation import VARY, Seeds, Vary, check_seeds, check_vary, count_points, seed_list
 from space_robot_studies.reproduce.quantities import Measure, Number, Texts
 from space_robot_studies.reproduce.stability_map import StabilityMap
 
@@ -18,60 +20,65 @@ MAX_KEPT = 40
 MAX_RUNS = 10_000
 
 
-class SeedRange(Strict):
-    """Many seeds in a row."""
-
-    first: NonNegativeInt = 0
-    count: Annotated[int, Field(ge=1, le=MAX_RUNS)]
-
-
 class RunGroup(Strict):
-    """Runs under one label: of an experiment every combination of swept values and seeds, or cases of a campaign."""
+    """Runs under one label: every combination of varied values and seeds, dispersed runs, or cases of a campaign.
+
+    The keys mean what they mean in a campaign file.
+    """
+
+    RENAMED: ClassVar[Mapping[str, str]] = {"sweep": "vary", "at": "where"}
 
     experiment: str = Field(default="", description="shipped name, or a YAML file relative to the manifest")
     campaign: str = Field(default="", description="instead of an experiment: a campaign, named likewise")
-    runs: PositiveInt | None = Field(default=None, description="of a campaign, per point of its grid; default: its own")
-    at: dict[str, Any] = Field(default_factory=dict, description="of a campaign: only points where these are varied so")
-    set: dict[str, Any] = Field(default_factory=dict, description="overrides of every run, dotted key -> value")
-    sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(
-        default_factory=dict, description="dotted key -> values, one run per value"
+    where: dict[str, Any] = Field(
+        default_factory=dict, description="of a campaign: only points where these are varied so"
     )
-    seeds: tuple[NonNegativeInt, ...] | SeedRange = Field(default=(), description="one run per seed")
+    set: dict[str, Any] = Field(default_factory=dict, description="overrides of every run, dotted key -> value")
+    vary: Vary = Field(default_factory=dict, description=VARY)
+    seeds: Seeds = Field(default=(), description="of the experiments: one run per seed")
+    disperse: dict[str, Draw] = Field(default_factory=dict, description="dotted key -> how it is dispersed")
+    runs: PositiveInt | None = Field(
+        default=None, description="per point, with disperse or of a campaign; default: the campaign's, one per seed"
+    )
+    seed: NonNegativeInt = Field(default=0, description="of all draws, with disperse")
     may_fail: bool = Field(default=False, description="a run that does not complete is a result, not a failure")
 
     @property
     def seed_list(self) -> tuple[int, ...]:
         """Every seed, in order."""
-        if isinstance(self.seeds, SeedRange):
-            return tuple(range(self.seeds.first, self.seeds.first + self.seeds.count))
-        return self.seeds
+        return seed_list(self.seeds)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if bool(self.experiment) == bool(self.campaign):
             raise ValueError("say experiment or campaign")
-        if self.campaign and (self.sweep or self.seed_list):
-            raise ValueError("a campaign has its own grid and seeds: say runs and at")
-        if self.experiment and (self.runs is not None or self.at):
-            raise ValueError("runs and at belong to a campaign")
+        drawn = bool(self.disperse) or "seed" in self.model_fields_set
+        if self.campaign and (self.vary or self.seed_list or drawn):
+            raise ValueError("a campaign has its own grid, seeds and draws: say runs and where")
+        if self.experiment and self.where:
+            raise ValueError("where belongs to a campaign")
+        if self.experiment and not self.disperse and (self.runs is not None or drawn):
+            raise ValueError("runs and seed belong to disperse, or to a campaign")
+        if self.disperse and self.runs is None and not self.seed_list:
+            raise ValueError("with disperse: say runs or seeds")
         return self
 
     @model_validator(mode="after")
     def _said_once(self) -> Self:
-        twice = self.set.keys() & self.sweep.keys()
+        check_vary(self.vary)
+        check_seeds(self.seeds)
+        twice = (self.set.keys() & self.vary.keys()) | (self.disperse.keys() & (self.set.keys() | self.vary.keys()))
         if self.seed_list:
-            twice |= {"seed"} & (self.set.keys() | self.sweep.keys())
+            twice |= {"seed"} & (self.set.keys() | self.vary.keys() | self.disperse.keys())
         if twice:
-            raise ValueError(f"{min(twice)} is said twice")
-        if len(set(self.seed_list)) != len(self.seed_list):
-            raise ValueError("a seed stands there twice")
-        if wrong := [key for key in (*self.set, *self.sweep) if not key.strip() or "=" in key]:
+            raise ValueError(f"{min(twice)} is given twice")
+        if wrong := [key for key in (*self.set, *self.vary) if not key.strip() or "=" in key]:
             raise ValueError(f"{wrong[0]!r} is no dotted key")
         return self
 
     @model_validator(mode="after")
     def _countable(self) -> Self:
-        runs = prod(map(len, self.sweep.values())) * max(1, len(self.seed_list))
+        runs = count_points(self.vary) * (self.runs or max(1, len(self.seed_list)))
         if runs > MAX_RUNS:
             raise ValueError(f"at most {MAX_RUNS} runs, not {runs}")
         return self
@@ -143,7 +150,7 @@ class Chart(Drawing):
 
 
 class Grid(Chart):
-    """A number over two keys of the experiment, one cell per point of the sweep, with formulas drawn over it."""
+    """A number over two keys of the experiment, one cell per point of what is varied, with formulas drawn over it."""
 
     y: str = Field(min_length=1, description="dotted key whose value is the ordinate")
     y_label: str = ""
@@ -151,7 +158,7 @@ class Grid(Chart):
 
 
 class Table(Strict):
-    """One row per group, per point of its sweep (all seeds together) or per run, one column per number."""
+    """One row per group, per point of what it varies (all seeds together) or per run, one column per number."""
 
     title: str = ""
     rows: Literal["groups", "points", "runs"] = "groups"

@@ -13,7 +13,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.experiment.experiment import Experiment, experiment_path, overridden
+from space_robot_bringup.experiment.experiment import Experiment, ExperimentFile, read_experiment
 from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.validation import nearest, parse_yaml, validate
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
@@ -175,44 +175,46 @@ class _Planner:
         self._known: dict[str, DistinctRun] = {}
         self._names: set[str] = set()
         # Reading a file takes longer than everything else about a run.
-        self._contents: dict[str, dict[str, Any]] = {}
+        self._files: dict[str, ExperimentFile] = {}
 
     def expand(self, label: str, group: RunGroup, key: str) -> tuple[PlannedRun, ...]:
-        """The runs of a group, swept values or points first, seeds or draws innermost."""
-        if group.campaign:
+        """The runs of a group, varied values or points first, seeds or draws innermost."""
+        if group.campaign or group.disperse:
             return tuple(self._cases(label, group, key))
         beside = self._folder / group.experiment
         argument = str(beside) if is_file(beside) else group.experiment
-        axes: dict[str, tuple[Any, ...]] = dict(group.sweep)
+        axes = {path: _labelled(choices) for path, choices in group.vary.items()}
         if group.seed_list:
-            axes["seed"] = group.seed_list
+            axes["seed"] = [(seed, seed) for seed in group.seed_list]
         runs = []
         for point in product(*axes.values()):
-            varied = dict(zip(axes, point, strict=True))
-            values = {**group.set, **varied}
-            words = [Path(argument).stem, *_words(values)]
+            labels = {path: shown for path, (shown, _) in zip(axes, point, strict=True)}
+            values = {**group.set, **{path: value for path, (_, value) in zip(axes, point, strict=True)}}
+            words = [Path(argument).stem, *_words({**group.set, **labels})]
             distinct = self._distinct(argument, values, words, key)
             seed = {"seed": distinct.experiment.seed}
-            told_apart = {path: value for path, value in varied.items() if len(axes[path]) > 1}
-            runs.append(PlannedRun(run_label(label, told_apart), label, {**seed, **values}, distinct))
+            told_apart = {path: value for path, value in labels.items() if len(axes[path]) > 1}
+            runs.append(PlannedRun(run_label(label, told_apart), label, {**seed, **group.set, **labels}, distinct))
         return tuple(runs)
 
     def _cases(self, label: str, group: RunGroup, key: str) -> Iterator[PlannedRun]:
         argument, cases = campaign_cases(group, self._folder, key)
+        # Of a campaign this changes its cases; where the group is one, they have it already.
+        constant = group.set if group.campaign else {}
         for case in cases:
-            words = [Path(group.campaign).stem, *_words({**case.labels, **group.set}), f"{case.run:03d}"]
-            distinct = self._distinct(argument, {**case.values, **group.set}, words, key)
-            varied = {name: value for name, value in case.labels.items() if name not in group.at}
-            values = {**case.values, **group.set, **case.labels, "run": case.run}
+            words = [Path(group.campaign or argument).stem, *_words({**case.labels, **group.set}), f"{case.run:03d}"]
+            distinct = self._distinct(argument, {**case.values, **constant}, words, key)
+            varied = {name: value for name, value in case.labels.items() if name not in group.where}
+            values = {**case.values, **constant, **case.labels, "run": case.run}
             yield PlannedRun(run_label(label, {**varied, "run": case.run}), label, values, distinct)
 
     def _distinct(self, argument: str, values: Mapping[str, Any], words: Sequence[str], key: str) -> DistinctRun:
         # JSON is YAML: the value reads back as it stands in the manifest (a date as its text).
         overrides = tuple(f"{path}={json.dumps(value, default=str)}" for path, value in values.items())
         try:
-            if argument not in self._contents:
-                self._contents[argument] = parse_yaml(experiment_path(argument))
-            experiment = overridden(self._contents[argument], argument, overrides)
+            if argument not in self._files:
+                self._files[argument] = read_experiment(argument)
+            experiment = self._files[argument].experiment(overrides)
         except SpaceRobotError as error:
             raise SpecError(str(error), key=key) from None
         content = experiment.model_dump_json()
@@ -230,10 +232,15 @@ class _Planner:
 
 
 def run_label(group: str, varied: Mapping[str, Any]) -> str:
-    """What a run, or all runs of a point of a sweep, are called: the group, and what varies in it."""
+    """What a run, or all runs of a point, are called: the group, and what varies in it."""
     if len(varied) == 1:
         return f"{group} {next(iter(varied.values()))}"
     return f"{group} {', '.join(f'{_last(key)} {value}' for key, value in varied.items())}".strip()
+
+
+def _labelled(choices: tuple[Any, ...] | dict[str, Any]) -> list[tuple[Any, Any]]:
+    """What stands for each value, and the value."""
+    return list(choices.items()) if isinstance(choices, dict) else [(value, value) for value in choices]
 
 
 def _words(values: Mapping[str, Any]) -> list[str]:

@@ -1,4 +1,4 @@
-"""What a manifest asks of runs: a number of each, and how many become one."""
+"""What a manifest needs of runs: a number of each, and how many become one."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class Partners(OfGroups):
 class Measure(Number, OfGroups):
     """A number over the runs of one or more groups of the figure."""
 
-    where: dict[str, Any] = Field(default_factory=dict, description="only runs whose set or swept key has this value")
+    where: dict[str, Any] = Field(default_factory=dict, description="only runs whose set or varied key has this value")
     only_if: Partners | None = Field(
         default=None, description="only runs whose partners of the same seed have this number: pairs, not two samples"
     )

@@ -44,7 +44,7 @@ def signal_names(composition: Composition, *, answered: bool = True) -> tuple[li
     - ``truth | prior | estimate | mismatch/<body>/<parameter>``: of the robot that flies (a capture changes it), the
       nominal one, the law's telemetry, and estimate minus truth.
 
-    A law that has no answer even to the first state shows nothing; names of its telemetry cannot be told then.
+    A law that has no answer even to the first state shows nothing; the names of its telemetry are not known then.
     """
     sample = composition.plant().reset()
     blocks = {"command.force": 3, "command.torque": 3, "command.effort": composition.nominal.n}
@@ -79,7 +79,7 @@ class Signals:
 
     Args:
         arrays: its log; at least one tick.
-        composition: what it was flown from.
+        composition: what was run.
     """
 
     arrays: LogArrays
@@ -208,7 +208,7 @@ def tool_errors(robot: Robot, actual: Matrix, desired: Matrix) -> tuple[Vector, 
     Args:
         robot: for the tool frame.
         actual: (K, 7+n) configurations that were [m, -, rad].
-        desired: (K, 7+n) configurations that were asked for.
+        desired: (K, 7+n) desired configurations.
     """
     pairs = [(tool_pose(robot, q), tool_pose(robot, q_d)) for q, q_d in zip(actual, desired, strict=True)]
     position = np.array([np.linalg.norm(pose.position - aim.position) for pose, aim in pairs])

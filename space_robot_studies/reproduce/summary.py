@@ -115,7 +115,7 @@ def _row(table: Table, run: PlannedRun, figure: Figure) -> str:
         return run.label
     if table.rows == "groups":
         return run.group
-    return run_label(run.group, {key: run.values[key] for key in figure.runs[run.group].sweep})
+    return run_label(run.group, {key: run.values[key] for key in figure.runs[run.group].vary})
 
 
 def _cell(measured: Measured) -> Data:

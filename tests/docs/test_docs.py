@@ -31,6 +31,7 @@ KINDS = {
     "experiment": "control_period",
     "sections": "reference",
     "robot": "base_mode",
+    "variant": "base",
     "model": "payload",
 }
 # Pages whose commands need those before them.
@@ -59,12 +60,15 @@ def test_every_block_is_of_a_kind_that_is_tried() -> None:
     assert tried == sum(len(blocks(page, "yaml")) for page in PAGES)
     assert yaml_blocks("manifest")
     assert yaml_blocks("experiment")
+    assert yaml_blocks("variant")
     assert yaml_blocks("sections")
 
 
-@pytest.mark.parametrize("text", yaml_blocks("experiment"), ids=lambda text: text.splitlines()[0][:40])
-def test_experiments_fly_and_pass(tmp_path: Path, text: str) -> None:
-    """An experiment copied from a page flies and keeps what it expects."""
+@pytest.mark.parametrize(
+    "text", [*yaml_blocks("experiment"), *yaml_blocks("variant")], ids=lambda text: text.splitlines()[0][:40]
+)
+def test_experiments_run_and_pass(tmp_path: Path, text: str) -> None:
+    """An experiment copied from a page, whole or a variant of another one, runs and keeps what it expects."""
     (tmp_path / "copied.yaml").write_text(text, encoding="utf-8")
     result = run_experiment(load_experiment(str(tmp_path / "copied.yaml")), tmp_path / "bag", mode="headless")
     assert result.passed, result.checks

@@ -1,4 +1,4 @@
-"""What tells curves apart: runs, groups, sweeps and signals have looks of their own, and what is asked for wins."""
+"""What tells curves apart: runs, groups, varied values and signals have looks of their own, and a given style wins."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ EXPERIMENT = load_experiment("liu2023/fig08")
 
 
 def flown(**groups: int | str) -> FigureResult:
-    """A figure with so many runs per group; ``"sweep"`` is a sweep of three. Each run has x, and y.reference."""
+    """A figure with so many runs per group; ``"varied"`` is one of three values. Each run has x, and y.reference."""
     data: dict[str, Any] = {"title": "t", "runs": {}}
     runs = []
     for group, kind in groups.items():
-        data["runs"][group] = {"experiment": "e"} | ({"sweep": {"k": [1, 2, 3]}} if kind == "sweep" else {})
-        count = 3 if kind == "sweep" else int(kind)
+        data["runs"][group] = {"experiment": "e"} | ({"vary": {"k": [1, 2, 3]}} if kind == "varied" else {})
+        count = 3 if kind == "varied" else int(kind)
         for index in range(count):
             label = f"{group} {index}" if count > 1 else group
             curves = {"x": TIME * (index + 1), "y.reference": TIME}
@@ -56,14 +56,14 @@ def test_large_groups_are_one_cloud() -> None:
     assert [curve.label for curve in cloud] == [f"many ({SINGLY + 1} runs)"] + [""] * SINGLY
 
 
-def test_sweeps_have_shades_and_a_second_sweep_another_line() -> None:
-    """The runs of a sweep differ by shade; two sweeps of the same shades by their lines."""
-    first, second = curves(flown(a="sweep", b="sweep"))[:3], curves(flown(a="sweep", b="sweep"))[3:]
+def test_what_is_varied_has_shades_and_a_second_group_another_line() -> None:
+    """The runs of a group that varies something differ by shade; two such groups by their lines."""
+    first, second = curves(flown(a="varied", b="varied"))[:3], curves(flown(a="varied", b="varied"))[3:]
     assert len({curve.color for curve in first}) == 3
     assert [curve.color for curve in first] == [curve.color for curve in second]
     assert {curve.line for curve in first} == {"solid"}
     assert {curve.line for curve in second} == {"dashed"}
-    assert {curve.line for curve in curves(flown(a="sweep", b="sweep"), of=["b"])} == {"solid"}
+    assert {curve.line for curve in curves(flown(a="varied", b="varied"), of=["b"])} == {"solid"}
 
 
 def test_a_shared_reference_is_drawn_once() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from space_robot_bringup.experiment.experiment import dump_yaml, load_experiment
+from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.campaign.cases import make_case
 from space_robot_studies.campaign.spec import load_campaign
@@ -26,9 +27,9 @@ def plan(folder: Path, *figures: str) -> Plan:
     return load_plan(str(folder / "p.yaml"))
 
 
-def test_sweeps_and_seeds_are_combined(tmp_path: Path) -> None:
+def test_varied_values_and_seeds_are_combined(tmp_path: Path) -> None:
     """One run per combination, seeds innermost, labelled by what varies."""
-    made = plan(tmp_path, f"l: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5]}}, seeds: [3, 5]}}")
+    made = plan(tmp_path, f"l: {{experiment: liu2023/fig08, vary: {{{PERIOD}: [0.25, 0.5]}}, seeds: [3, 5]}}")
     runs = made.runs["a"]["l"]
     want = [f"l control_period {period}, seed {seed}" for period in (0.25, 0.5) for seed in (3, 5)]
     assert [run.label for run in runs] == want
@@ -41,7 +42,7 @@ def test_one_varying_key_is_told_by_its_value_alone(tmp_path: Path) -> None:
     """Labels are short: the group and the value, and the group alone for a single run."""
     groups = (
         "prior: {experiment: liu2023/fig08, set: {nominal.dispersion.eta: 0.2}, seeds: {first: 1, count: 3}}",
-        f"l: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5]}}, seeds: [4]}}",
+        f"l: {{experiment: liu2023/fig08, vary: {{{PERIOD}: [0.25, 0.5]}}, seeds: [4]}}",
         "real: {experiment: liu2023/fig08}",
     )
     labels = [run.label for group in plan(tmp_path, ", ".join(groups)).runs["a"].values() for run in group]
@@ -53,9 +54,9 @@ def test_equal_runs_are_done_once_whatever_they_are_called(tmp_path: Path) -> No
     made = plan(
         tmp_path,
         "real: {experiment: liu2023/fig08}",
-        f"sweep: {{experiment: liu2023/fig08, sweep: {{{PERIOD}: [0.25, 0.5], seed: [0]}}}}",
+        f"varied: {{experiment: liu2023/fig08, vary: {{{PERIOD}: [0.25, 0.5], seed: [0]}}}}",
     )
-    assert made.runs["a"]["real"][0].distinct is made.runs["b"]["sweep"][0].distinct
+    assert made.runs["a"]["real"][0].distinct is made.runs["b"]["varied"][0].distinct
     assert len(made.distinct_runs(["a", "b"])) == 2
 
 
@@ -106,14 +107,23 @@ def test_an_experiment_beside_the_manifest_is_found(tmp_path: Path) -> None:
     [
         ("x: {experiment: liu2023/fig8}", ("p.yaml figures.a.runs.x", "liu2023/fig08")),
         ("x: {experiment: liu2023/fig08, set: {contol_period: 1}}", ("figures.a.runs.x", "control_period")),
-        ("x: {experiment: liu2023/fig08, sweep: {seed: [1]}, seeds: [1]}", ("figures.a.runs.x", "said twice")),
+        ("x: {experiment: liu2023/fig08, vary: {seed: [1]}, seeds: [1]}", ("figures.a.runs.x", "given twice")),
         ("x: {experiment: liu2023/fig08, seeds: [1, 1]}", ("figures.a.runs.x", "twice")),
         ("x: {experiment: liu2023/fig08, seeds: [-1]}", ("figures.a.runs.x.seeds.0", "-1")),
-        ("x: {experiment: liu2023/fig08, sweep: {seed: []}}", ("figures.a.runs.x.sweep.seed",)),
+        ("x: {experiment: liu2023/fig08, vary: {seed: []}}", ("figures.a.runs.x", "vary.seed has no value")),
         ("x: {experiment: liu2023/fig08, set: {a=b: 1}}", ("figures.a.runs.x", "'a=b'")),
         ("x: {experiment: liu2023/fig08, seeds: {count: 1000000}}", ("figures.a.runs.x.seeds", "10000")),
-        ("x: {experiment: liu2023/fig08, sweep: {duration: [1, 2]}, seeds: {count: 9999}}", ("at most 10000 runs",)),
-        ("x: {experiment: liu2023/fig08, swep: {}}", ("figures.a.runs.x.swep", "sweep")),
+        ("x: {experiment: liu2023/fig08, vary: {duration: [1, 2]}, seeds: {count: 9999}}", ("at most 10000 runs",)),
+        ("x: {experiment: liu2023/fig08, sweep: {seed: [1]}}", ("figures.a.runs.x.sweep", "was renamed", "vary")),
+        ("x: {campaign: fig08_dispersed, at: {seed: 1}}", ("figures.a.runs.x.at", "was renamed", "where")),
+        ("x: {experiment: liu2023/fig08, runs: 3}", ("figures.a.runs.x", "disperse")),
+        ("x: {experiment: liu2023/fig08, disperse: {seed: {choice: [1, 2]}}}", ("figures.a.runs.x", "runs or seeds")),
+        (
+            "x: {experiment: liu2023/fig08, disperse: {seed: {chioce: [1]}}, runs: 2}",
+            ("figures.a.runs.x.disperse.seed.chioce", "choice"),
+        ),
+        ("x: {campaign: fig08_dispersed, disperse: {seed: {choice: [1]}}}", ("figures.a.runs.x", "draws")),
+        ("x: {experiment: liu2023/fig08, vry: {}}", ("figures.a.runs.x.vry", "vary")),
         ("", ("figures.a.runs",)),
     ],
 )
@@ -166,7 +176,7 @@ def test_the_cases_of_a_campaign_become_its_runs(tmp_path: Path) -> None:
     """Each run is the experiment of its case, with the robot by name; the command gives it; labels tell them apart."""
     (tmp_path / "c.yaml").write_text(CAMPAIGN)
     campaign = load_campaign(str(tmp_path / "c.yaml"))
-    runs = plan(tmp_path, "x: {campaign: c.yaml, at: {plant.delay_periods: 1}}").runs["a"]["x"]
+    runs = plan(tmp_path, "x: {campaign: c.yaml, where: {plant.delay_periods: 1}}").runs["a"]["x"]
     labels = [f"x gains {gains}, run {number}" for gains in ("soft", "hard") for number in range(3)]
     assert [run.label for run in runs] == labels
     for run, point in zip(runs, [2, 2, 2, 3, 3, 3], strict=True):
@@ -183,10 +193,11 @@ def test_the_cases_of_a_campaign_become_its_runs(tmp_path: Path) -> None:
 def test_what_is_set_of_a_campaign_changes_no_draw(tmp_path: Path) -> None:
     """``set`` comes last, ``runs`` takes the first of the campaign's runs: partners keep their draws and seeds."""
     (tmp_path / "c.yaml").write_text(CAMPAIGN)
-    at = "at: {plant.delay_periods: 0, controller.gains: soft}"
+    where = "where: {plant.delay_periods: 0, controller.gains: soft}"
     made = plan(
         tmp_path,
-        f"x: {{campaign: c.yaml, {at}}}, y: {{campaign: c.yaml, runs: 2, {at}, set: {{controller.gains.lambda: 3}}}}",
+        f"x: {{campaign: c.yaml, {where}}}, "
+        f"y: {{campaign: c.yaml, runs: 2, {where}, set: {{controller.gains.lambda: 3}}}}",
     ).runs["a"]
     for x, y in zip(made["x"], made["y"], strict=False):
         assert x.distinct.experiment.initial == y.distinct.experiment.initial
@@ -194,15 +205,51 @@ def test_what_is_set_of_a_campaign_changes_no_draw(tmp_path: Path) -> None:
     assert [run.distinct.experiment.controller.gains for run in made["y"]] == [{"lambda": 3}] * 2
 
 
+def test_a_group_that_disperses_is_a_campaign_of_its_own(tmp_path: Path) -> None:
+    """The keys of a campaign in a group give the runs of that campaign: experiments, labels, seeds and values."""
+    (tmp_path / "c.yaml").write_text(CAMPAIGN)
+    keys = ", ".join(line for line in CAMPAIGN.split("disperse:")[0].split("\n") if line)
+    body = json.dumps({name: parse_yaml_text(CAMPAIGN, "c")[name] for name in ("disperse", "vary")})[1:-1]
+    made = plan(tmp_path, f"x: {{campaign: c.yaml}}, y: {{{keys}, {body}}}").runs["a"]
+    assert len(made["x"]) == 12
+    for x, y in zip(made["x"], made["y"], strict=True):
+        assert x.distinct is y.distinct
+        assert (x.label.replace("x", "y", 1), x.values, x.source) == (y.label, y.values, y.source)
+
+
+def test_seeds_of_a_campaign_are_those_of_its_runs(tmp_path: Path) -> None:
+    """With ``seeds`` runs have these seeds, in order, and the same draws as without; ``runs`` takes the first."""
+    (tmp_path / "c.yaml").write_text(CAMPAIGN)
+    (tmp_path / "s.yaml").write_text(CAMPAIGN.replace("runs: 3", "seeds: {first: 7, count: 3}"))
+    drawn, listed = load_campaign(tmp_path / "c.yaml"), load_campaign(tmp_path / "s.yaml")
+    assert (listed.runs, listed.cases) == (3, 12)
+    for index in range(12):
+        case = make_case(listed, index)
+        assert case.seed == case.experiment().seed == 7 + index // 4
+        assert case.drawn == make_case(drawn, index).drawn
+    assert load_campaign(tmp_path / "s.yaml", 2).cases == 8
+    with pytest.raises(SpecError, match="4 runs, but 3 seeds"):
+        load_campaign(tmp_path / "s.yaml", 4)
+
+
+def test_labels_stand_for_varied_values(tmp_path: Path) -> None:
+    """As in a campaign, a label names its value in runs, and the value is what is run."""
+    vary = "vary: {controller.gains: {soft: {lambda: 0.5}, hard: {lambda: 2.0}}}"
+    runs = plan(tmp_path, f"x: {{experiment: liu2023/fig08, {vary}}}").runs["a"]["x"]
+    assert [run.label for run in runs] == ["x soft", "x hard"]
+    assert [run.values["controller.gains"] for run in runs] == ["soft", "hard"]
+    assert [run.distinct.experiment.controller.gains for run in runs] == [{"lambda": 0.5}, {"lambda": 2.0}]
+
+
 @pytest.mark.parametrize(
     ("group", "words"),
     [
         ("campaign: fig08_dispersd", ("figures.a.runs.x", "fig08_dispersed")),
         ("campaign: c.yaml, experiment: liu2023/fig08", ("figures.a.runs.x", "experiment or campaign")),
-        ("campaign: c.yaml, seeds: [1]", ("figures.a.runs.x", "runs and at")),
+        ("campaign: c.yaml, seeds: [1]", ("figures.a.runs.x", "runs and where")),
         ("campaign: c.yaml, runs: 0", ("figures.a.runs.x.runs", "0")),
-        ("campaign: c.yaml, at: {plant.delay_periods: 2}", ("figures.a.runs.x.at", "plant.delay_periods")),
-        ("experiment: liu2023/fig08, at: {plant.delay_periods: 0}", ("figures.a.runs.x", "campaign")),
+        ("campaign: c.yaml, where: {plant.delay_periods: 2}", ("figures.a.runs.x.where", "plant.delay_periods")),
+        ("experiment: liu2023/fig08, where: {plant.delay_periods: 0}", ("figures.a.runs.x", "campaign")),
         ("campaign: whole.yaml", ("figures.a.runs.x.campaign", "names one")),
     ],
 )

@@ -62,13 +62,13 @@ figures:
         verdict: not checkable
         because: No number is given.
   gain:
-    title: A sweep
+    title: A varied gain
     kind: beyond
     runs:
       real: {experiment: liu2023/fig08, set: *short}
-      sweep: {experiment: liu2023/fig08, set: *short, sweep: {controller.gains.lambda: [0.5, 1.5]}}
+      vary: {experiment: liu2023/fig08, set: *short, vary: {controller.gains.lambda: [0.5, 1.5]}}
     charts:
-      - {measure: {metric: base/roll.final_error}, x: controller.gains.lambda, of: [sweep], y_scale: log}
+      - {measure: {metric: base/roll.final_error}, x: controller.gains.lambda, of: [varied], y_scale: log}
       - {measure: {metric: base/roll.settling_time, missing: skip, reduce: median}}
     tables:
       - {columns: {"error [deg]": {metric: base/roll.final_error, reduce: median}}}
