@@ -105,6 +105,11 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         self.end(f"{self.get_name()}: shut down")
         return TransitionCallbackReturn.SUCCESS
 
+    def destroy_node(self) -> None:
+        """Free the node; its state machine would hold on to it, and to the shared memory of the middleware."""
+        super().destroy_node()
+        self.__dict__.pop("_state_machine", None)
+
     def _try(self, *actions: Callable[[], None]) -> TransitionCallbackReturn:
         try:
             for action in actions:
