@@ -1,4 +1,4 @@
-# make demo | make test | make bench | make studies | make check: each sets itself up (.venv, package indexes only).
+# make demo | make test | make bench | make studies | make chaos | make check: each sets itself up (.venv, package indexes only).
 PYTHON ?= $(shell for p in python3.12 python3.11 python3; do \
   if $$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))' 2>/dev/null; then echo $$p; break; fi; done)
 VENV ?= .venv
@@ -7,7 +7,7 @@ OUT ?= out/demo
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 
-.PHONY: help demo test check golden bench studies fuzz clean
+.PHONY: help demo test check golden bench studies fuzz chaos clean
 .DEFAULT_GOAL := help
 
 help:
@@ -17,6 +17,7 @@ help:
 	@echo "make studies every figure and table of the three papers, and the laws compared; leaves pages in out/studies"
 	@echo "make golden  fly the reference logs of the tests again, and say what is different"
 	@echo "make fuzz    10,000 files and command lines that are nearly right: no traceback, no hang (CASES=, SEED=)"
+	@echo "make chaos   kill the processes of runs, and fuzz; takes an hour"
 	@echo "make bench   speed of the plant, the loop, the graph and the log"
 
 $(VENV)/bin/uv:
@@ -64,6 +65,9 @@ studies: $(VENV)/.dev
 	$(BIN)/space-robot reproduce giordano2023 --out out/studies/giordano2023
 	$(BIN)/space-robot reproduce song2023 --out out/studies/song2023
 	$(BIN)/space-robot compare --out out/studies/compare
+
+chaos: $(VENV)/.dev
+	@for program in kill fuzz; do test ! -e tests/chaos/$$program.py || $(BIN)/python -m tests.chaos.$$program || exit 1; done
 
 clean:
 	rm -rf $(VENV) build dist out *.egg-info .mypy_cache .ruff_cache .pytest_cache

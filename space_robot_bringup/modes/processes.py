@@ -111,6 +111,8 @@ class _Crew:
 
     def end(self) -> None:
         """No child survives the run."""
+        for tether in self._tethers.values():
+            tether.order_end(self._order or "failed", hurry=True)
         deadline = monotonic() + END_SECONDS
         for child in self._children.values():
             try:

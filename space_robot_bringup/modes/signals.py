@@ -107,7 +107,7 @@ class RunStop(StopFlag):
         self._timeout = None
 
     def ending(self) -> None:
-        """What runs ends already, in order: nothing is raised from now on."""
+        """What runs ends in order by itself: nothing is raised from now on."""
         self._due = self._timeout = None
 
     def __enter__(self) -> RunStop:

@@ -12,6 +12,7 @@ import socket
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from time import monotonic
 from typing import Any
 
 PARENT_DIED = "parent: its process ended"
@@ -38,7 +39,7 @@ class ParentEnd:
         return self._socket.fileno()
 
     def order_end(self, reason: str, *, hurry: bool) -> None:
-        """Tell the child to end; in a hurry it does not wait long for what a dead process will never acknowledge."""
+        """Tell the child to end; in a hurry it does not wait until all it has said is acknowledged."""
         # Where it is gone, the end of the line tells.
         with suppress(OSError):
             self._socket.send(_packet({"end": reason, "hurry": hurry}))
@@ -67,7 +68,7 @@ class ChildEnd:
 
     Attributes:
         grace: how long the process may take to end once it was told [s].
-        hurry: a process of the run died.
+        hurry: there is nothing to wait for: a process of the run died, or the log is closed.
     """
 
     def __init__(self, descriptor: int | None, on_order: Callable[[str], None]) -> None:
@@ -85,22 +86,29 @@ class ChildEnd:
                 self._socket.send(_packet(news), socket.MSG_DONTWAIT)
 
     def _listen(self, line: socket.socket) -> None:
+        order = self._next_order(line)
+        self._on_order(str(order["end"]))
+        until = monotonic() + self.grace
+        while not self.hurry:
+            self._next_order(line)
+        # A process that ends takes this thread along.
+        threading.Event().wait(until - monotonic())
+        os._exit(1)
+
+    def _next_order(self, line: socket.socket) -> dict[str, Any]:
         try:
             order = _message(line.recv(LONGEST_PACKET) or DEATH)
         except OSError:
             order = _message(DEATH)
         self.hurry = bool(order["hurry"])
-        self._on_order(str(order["end"]))
-        # A process that ends takes this thread along.
-        threading.Event().wait(self.grace)
-        os._exit(1)
+        return order
 
 
 def _packet(message: dict[str, Any]) -> bytes:
     packet = json.dumps(message).encode()
-    return (
-        packet if len(packet) <= LONGEST_PACKET else json.dumps({"end": str(message)[:1000], "hurry": False}).encode()
-    )
+    if len(packet) > LONGEST_PACKET:
+        packet = json.dumps({key: str(value)[:LONGEST_TEXT] for key, value in message.items()}).encode()
+    return packet
 
 
 def _message(packet: bytes) -> dict[str, Any]:

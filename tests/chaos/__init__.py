@@ -1,0 +1,1 @@
+"""Programs that break a run on purpose and count what is left: ``make chaos``."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -138,12 +139,20 @@ class Broken(Law):
 """
 
 
-def test_a_bug_in_a_law_keeps_its_traceback_and_the_log(tmp_path: Path) -> None:
-    """What is not an error of ours is not dressed up as one: it is raised, and the log is closed all the same."""
+def test_a_bug_in_a_law_ends_every_mode_alike(tmp_path: Path) -> None:
+    """What a law should never raise ends the run with law, tick and cause, and comes with its traceback."""
     law = tmp_path / "broken.py"
     law.write_text(BROKEN_LAW)
     experiment = load_experiment("liu2023/fig08", [f"controller={{law: '{law}:Broken'}}"])
+    bags = []
     for mode in ("headless", "graph"):
-        with pytest.raises(KeyError, match="a bug"):
-            run_experiment(experiment, tmp_path / mode, mode=mode)  # type: ignore[arg-type]
-        assert LogReader(tmp_path / mode).end_reason is not None
+        failures: list[BaseException] = []
+        hooks, place = Hooks(on_failure=failures.append), tmp_path / mode / "run"
+        result = run_experiment(experiment, place, mode=mode, hooks=hooks)  # type: ignore[arg-type]
+        assert result.end_reason == LogReader(place).end_reason == "controller: law Broken at tick 0: KeyError: 'a bug'"
+        assert not result.passed
+        (cause,) = [failure.__cause__ for failure in failures]
+        assert isinstance(cause, KeyError)
+        assert traceback.extract_tb(cause.__traceback__)[-1].filename == str(law)
+        bags.append(bag(place))
+    assert bags[1] == bags[0]
