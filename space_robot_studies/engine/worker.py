@@ -8,7 +8,6 @@ import signal
 import traceback
 from contextlib import suppress
 from multiprocessing.connection import Connection
-from pickle import PicklingError
 
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_studies.engine.garbage_collection import collect_rarely
@@ -46,10 +45,11 @@ def work(connection: Connection) -> None:
             return
         try:
             connection.send(answer)
-        except (PicklingError, TypeError, AttributeError) as error:
-            connection.send(Lost(f"bug: the result cannot be sent: {error}"))
         except OSError:
             return
+        except Exception as error:
+            # What cannot be serialised says so in many ways.
+            connection.send(Lost(f"bug: the result cannot be sent: {error}"))
 
 
 def attempt(task: Task[object]) -> object:

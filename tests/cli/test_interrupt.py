@@ -70,18 +70,18 @@ def test_a_study_can_be_interrupted_while_it_is_checked(
 
 @pytest.mark.parametrize("number", SIGNALS)
 def test_any_command_ends_in_one_line(tmp_path: Path, number: signal.Signals) -> None:
-    """A command without handlers of its own, such as report, says that it was interrupted and exits with 1."""
+    """A command without handlers of its own, such as report, says how it was ended and exits with 1."""
     program = """
 import os, sys
 import space_robot_cli.view_commands
 from space_robot_cli import main
 
-def wait(place):
+def wait(place, suffix):
     os.write(2, b"begun\\n")
     while True:
         pass
 
-space_robot_cli.view_commands._beside = wait
+space_robot_cli.view_commands.beside = wait
 sys.argv = ["space-robot", "report", "nothing"]
 main.main()
 """
@@ -91,4 +91,5 @@ main.main()
         tool.send_signal(number)
         said = tool.stderr.read()
         assert tool.wait(timeout=60) == 1, said
-    assert said.splitlines() == ["space-robot: interrupted"]
+    word = "interrupted" if number == signal.SIGINT else "terminated"
+    assert said.splitlines() == [f"space-robot: {word}"]

@@ -156,6 +156,6 @@ def test_python_data_that_contains_itself_is_refused() -> None:
 @pytest.mark.parametrize("text", ["a: &a {b: *a}", "a: &a [*a]", "a: &a {b: [1, {c: *a}]}"])
 def test_data_that_contains_itself_is_refused(text: str) -> None:
     """An alias to what it stands in would never end: one clear error, where it is read."""
-    with pytest.raises(SpecError, match=r"^file: contains itself"):
+    with pytest.raises(SpecError, match=r"^file: .*an alias to what it is part of"):
         parse_yaml_text(text, "file")
     assert parse_yaml_text("a: &a [1]\nb: *a", "file") == {"a": [1], "b": [1]}

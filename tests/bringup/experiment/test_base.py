@@ -111,7 +111,7 @@ def test_files_are_found_from_where_they_are_named(tmp_path: Path) -> None:
         ("base: null", ("mine.yaml base", "not the name")),
         ("base: list.yaml", ("list.yaml", "does not hold a mapping")),
         ("base: broken.yaml", ("broken.yaml", "not valid YAML")),
-        ('base: "a\\0b"', ("mine.yaml base", "no such file")),
+        ('base: "a\\0b"', ("mine.yaml", "NUL")),
         ("base: whole.yaml\nplnt: null", ("mine.yaml (base whole.yaml) plnt", "plant")),
         ("base: whole.yaml\nplant: {paylod: {mass: 1}}", ("mine.yaml (base whole.yaml) plant.paylod", "payload")),
         ("base: whole.yaml\nrobot: null", ("mine.yaml (base whole.yaml) robot", "missing")),
