@@ -12,14 +12,13 @@ TEMPORARY = ".tmp"
 
 
 def write_atomically(path: Path, content: bytes | str) -> None:
-    """Write a file and its folders; text is encoded as UTF-8.
+    """Write a file into a folder that exists; text is encoded as UTF-8.
 
     Raises:
         LogError: it cannot be written.
     """
     temporary = path.with_name(path.name + TEMPORARY)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
         with temporary.open("wb") as stream:
             stream.write(content.encode() if isinstance(content, str) else content)
             stream.flush()

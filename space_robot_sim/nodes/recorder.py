@@ -52,7 +52,7 @@ class RecorderNode(GraphNode):
         period: control period [ns].
         steps: number of periods of the run; the log ends with tick ``steps``.
         lossless: every topic there is will speak at every stamp (lock-step); False: a stamp may miss some (paced), it
-            is then written after ``WINDOW`` ticks as it is.
+            is then written after ``WINDOW`` ticks as it is; a topic whose publisher comes later is expected from then.
         ahead: ticks that the simulator may be ahead of the log; 0: state k comes when tick k - 1 is in the log.
         options: see GraphNode.
     """
@@ -92,6 +92,7 @@ class RecorderNode(GraphNode):
         self._given = -1
         self._clock_of_calls = Clock(clock_type=ClockType.STEADY_TIME)
         self._present_since: Time | None = None
+        self._started = False
         self._roll_call = self.create_timer(ROLL_CALL_SECONDS, self._call_roll, clock=self._clock_of_calls)
 
     @property
@@ -123,8 +124,12 @@ class RecorderNode(GraphNode):
         return f"{self.get_name()}: {self.failure}" if isinstance(self.failure, LogError) else reason
 
     def _call_roll(self) -> None:
-        """Let the run start once everybody who has to be there is heard, and the optional ones had their second."""
+        """Let the run start once every required topic has a publisher and the optional ones had their second."""
         absent = {topic for topic, reader in self._readers.items() if reader.get_publisher_count() == 0}
+        if self._started:
+            # Paced: a controller that appears later is waited for from then on.
+            self._expected |= self._readers.keys() - absent
+            return
         optional = {"controller_telemetry"} if self.lossless else {"controller_telemetry", "command", "reference"}
         if any(topic.kind not in optional for topic in absent):
             self._present_since = None
@@ -134,7 +139,9 @@ class RecorderNode(GraphNode):
         if absent and (now - self._present_since).nanoseconds < GRACE_SECONDS * 1e9:
             return
         self._expected -= absent
-        self._roll_call.cancel()
+        self._started = True
+        if self.lossless:
+            self._roll_call.cancel()
         self._give_credit()
 
     def _give_credit(self) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, get_args
 
 from space_robot_bringup.compose.composition import Composition, versions
 from space_robot_bringup.judge.metrics import metric_names
@@ -89,6 +89,8 @@ def run_campaign(
     """
     hooks = hooks or StudyHooks()
     check_workers(workers, scheduler, time_limit)
+    if keep not in get_args(Keep):
+        raise SpecError("no such choice", key="--keep", value=keep, accepted=", ".join(get_args(Keep)))
     loaded = campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
     checked = CheckedCampaign.of(loaded, Path(directory), resume=resume, stop=hooks.stop)
     first = (warm, (make_case(loaded, 0).data,))

@@ -108,7 +108,7 @@ def open_campaign(
             if not (directory / CAMPAIGN).exists():
                 write_atomically(directory / CAMPAIGN, resolved)
         with open_journal(directory, versions, time_limit) as journal:
-            if any(_index(row) >= campaign.cases for row in journal.rows.values()):
+            if any(not isinstance(index, int) or index >= campaign.cases for index in journal.rows):
                 raise SpecError("fewer than were run", key="runs", value=campaign.runs, accepted="as many or more")
             with guarded(directory):
                 write_atomically(directory / CAMPAIGN, resolved)

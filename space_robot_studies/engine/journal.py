@@ -71,8 +71,10 @@ class Journal:
     def append(self, row: Row, bag: Mapping[str, bytes] | None = None) -> None:
         """Keep a row, its bag first: a row that is on disk is complete."""
         with guarded(self.directory):
+            place = bag_path(self.directory, row.key)
             for name, content in (bag or {}).items():
-                write_atomically(bag_path(self.directory, row.key) / name, content)
+                (place / name).parent.mkdir(parents=True, exist_ok=True)
+                write_atomically(place / name, content)
             self._stream.write(json.dumps(asdict(row), allow_nan=False) + "\n")
             self._stream.flush()
             os.fsync(self._stream.fileno())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,9 +31,9 @@ URDF = """<robot name="r"><link name="base_link">{inertial}</link><link name="ar
 </robot>"""
 
 
-def served(urdf: str) -> list[str]:
+def served(urdf: str, meshes: Sequence[Path] = ()) -> list[str]:
     """Serve a still robot until everything stands; what was announced."""
-    look = look_of(urdf)
+    look = look_of(urdf, meshes)
     q = np.array([pin.neutral(look.model)] * 2)
     film = Footage(np.array([0.0, 1.0]), q, q, np.ones((2, 3)), np.ones((2, look.model.nv - 6)))
     announced: list[str] = []
@@ -50,14 +51,15 @@ def test_every_shipped_robot_can_be_served(name: str) -> None:
 
 @pytest.mark.parametrize("kind", ["stl", "obj", "dae", "ply"])
 def test_meshes_of_users_can_be_served(tmp_path: Path, kind: str) -> None:
-    """Meshes beside a user's URDF are found and shown, whatever their format and with a space in their path."""
+    """Meshes in a folder that the user names are shown, whatever their format; without the name they are missing."""
     folder = tmp_path / "my meshes"
     folder.mkdir()
     trimesh.creation.icosphere(subdivisions=2, radius=0.3).export(folder / f"arm.{kind}")
     mesh = f'<visual><geometry><mesh filename="{(folder / f"arm.{kind}").as_uri()}" scale="1 1 2"/></geometry></visual>'
     urdf = URDF.format(inertial=INERTIAL, visual=mesh)
-    assert look_of(urdf).missing == ()
-    assert len(served(urdf)) == 1
+    assert look_of(urdf, [folder]).missing == ()
+    assert len(served(urdf, [folder])) == 1
+    assert look_of(urdf).missing == ((folder / f"arm.{kind}").as_uri(),)
 
 
 @pytest.mark.parametrize(

@@ -264,7 +264,7 @@ REASONS = {
     "fine": "completed",
     "gives up": "controller: gives_up: patience: enough at t = 0.5 s",
     "buggy": "bug: KeyError: 'a typo'",
-    "exits": "bug: SystemExit: enough of this",
+    "exits": "controller: law exits at tick 2: SystemExit: enough of this",
     "deadly": "lost: the worker process was killed by SIGKILL",
     "leaves": "lost: the worker process exited with status 7",
     "endless": "timeout: more than 2 s of CPU time",

@@ -66,7 +66,7 @@ figures:
     kind: beyond
     runs:
       real: {experiment: liu2023/fig08, set: *short}
-      vary: {experiment: liu2023/fig08, set: *short, vary: {controller.gains.lambda: [0.5, 1.5]}}
+      varied: {experiment: liu2023/fig08, set: *short, vary: {controller.gains.lambda: [0.5, 1.5]}}
     charts:
       - {measure: {metric: base/roll.final_error}, x: controller.gains.lambda, of: [varied], y_scale: log}
       - {measure: {metric: base/roll.settling_time, missing: skip, reduce: median}}
