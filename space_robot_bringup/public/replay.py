@@ -8,8 +8,10 @@ from typing import Literal
 
 from space_robot_bringup.experiment.experiment import Overrides
 from space_robot_bringup.public.calls import for_python
+from space_robot_bringup.public.result import Run
 from space_robot_bringup.replay import replay as command
 from space_robot_bringup.replay.comparison import Tolerance
+from space_robot_bringup.replay.recording import Code
 from space_robot_bringup.replay.replay import Order, Replayed
 from space_robot_msgs_py.paths import StrPath
 
@@ -25,6 +27,8 @@ def replay(
     ignore: Sequence[str] = (),
     experiment: StrPath | None = None,
     namespace: str = "",
+    law: str | Sequence[str] = (),
+    allow_code: bool = False,
 ) -> Replayed:
     """Compute a recorded run again, from its log alone, and compare every number.
 
@@ -37,6 +41,8 @@ def replay(
         ignore: topics, or topic/block, that are not compared.
         experiment: name or file of what was run, for a bag without one.
         namespace: of the topics in a bag of another tool.
+        law: ``FILE:Class`` or ``NAME=FILE:Class`` in place of a law that is not installed; a log brings no code.
+        allow_code: everything the log names may be imported. It always may for a ``Run``, which this process made.
 
     Returns:
         What is different: ``equal``, and ``outcomes`` side by side.
@@ -44,7 +50,11 @@ def replay(
     Raises:
         SpaceRobotError: the log or an argument cannot be used.
     """
-    names = (ignore,) if isinstance(ignore, str) else tuple(ignore)
-    return command.replay(
-        Path(log), Order(against, Tolerance(rtol, atol, names), overrides or (), experiment, namespace)
-    )
+    code = Code(_texts(law), allow_code or isinstance(log, Run))
+    order = Order(against, Tolerance(rtol, atol, _texts(ignore)), overrides or (), experiment, namespace, code)
+    return command.replay(Path(log), order)
+
+
+def _texts(value: str | Sequence[str]) -> tuple[str, ...]:
+    """One text is meant as one, not as its letters."""
+    return (value,) if isinstance(value, str) else tuple(value)

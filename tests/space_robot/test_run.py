@@ -204,6 +204,17 @@ def test_a_replay_with_an_override_is_not_equal(run: sr.Run) -> None:
     assert sr.replay(run, {"controller.gains.lambda": 0.8}, atol=10.0, ignore="controller/telemetry").equal
 
 
+def test_a_log_brings_no_code_into_a_replay(tmp_path: Path) -> None:
+    """A law that is not installed is imported for a run of this process, or where the caller says so."""
+    law = "tests.support.laws:GivesUp"
+    one = sr.run(NAME, {"controller.law": law}, out=tmp_path / "one")
+    with pytest.raises(sr.SpaceRobotError, match="names code"):
+        sr.replay(one.directory, against="controller")
+    assert sr.replay(one, against="controller").equal
+    assert sr.replay(one.directory, against="controller", law=law).equal
+    assert sr.replay(one.directory, against="controller", allow_code=True).equal
+
+
 def test_a_temporary_log_lives_as_long_as_it_is_read() -> None:
     """Without ``out`` the directory is there while the run or its log is, and gone afterwards."""
     one = sr.run(NAME, CHANGES)
