@@ -117,6 +117,7 @@ def fly(hosts: TwoHosts, run: Path, ticks: int, *options: str) -> tuple[int, int
     return amid, late
 
 
+@pytest.mark.load
 def test_lock_step_waits_for_the_link_and_loses_nothing(hosts: TwoHosts, tmp_path: Path) -> None:
     """A run stands still while the link is down and leaves the same file as the loop without ROS."""
     long = "duration=1000.0"
@@ -126,6 +127,7 @@ def test_lock_step_waits_for_the_link_and_loses_nothing(hosts: TwoHosts, tmp_pat
     assert (tmp_path / "run" / "run_0.mcap").read_bytes() == (tmp_path / "alone" / "alone_0.mcap").read_bytes()
 
 
+@pytest.mark.load
 def test_a_paced_run_holds_while_the_link_is_down_and_recovers(hosts: TwoHosts, tmp_path: Path) -> None:
     """Without commands the motors get the hold, zero here; with the link they come back and the robot follows again."""
     fly(hosts, tmp_path / "run", 40, "--realtime", str(PACE), "--set", "duration=60.0")
