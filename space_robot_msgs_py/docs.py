@@ -22,11 +22,12 @@ _KINDS: dict[Kind, str] = {
     "state": "RobotState: its parts share a stamp",
     "reference": "Reference: its parts share a stamp, that of the tick it is for; published ahead",
     "command": "Command: its parts carry the stamp of the state they answer",
+    "accepted_command": "a whole command, under its stamp",
     "controller_telemetry": "what the law wants to be seen, under the stamp of its command",
     "controller_event": "what changed in flight how the law answers, from that stamp on",
     "plant_telemetry": "truth and conservation, under the stamp of the state",
     "description": "text, once per run",
-    "event": "text, once per run",
+    "event": "of the run as a whole: its begin, its end, how far it may go",
     "tool": "for tools; nothing in the control loop depends on it",
 }
 

@@ -14,22 +14,23 @@ class StampJoiner(Generic[T]):
     """Collects the parts of each stamp and gives them out together, once.
 
     As long as no more than ``capacity`` stamps are under way, the result does not depend on the order of arrival.
-    A part that comes twice is taken the first time.
+    A part that comes twice is taken the first time, or the last time before its stamp is complete.
 
     Args:
         parts: how many parts make a whole.
         capacity: how many incomplete stamps are kept; beyond, the one waiting longest is dropped and counted.
         once: True: a stamp that was given out is remembered (the last ``capacity`` of them) and late duplicates are
             ignored. False: it is forgotten, so that time may start again without ``clear``.
+        newest: of a part that comes twice the last one counts: one that should not be there comes before its time.
 
     Attributes:
         dropped: how many incomplete stamps were given up for lack of room.
     """
 
-    def __init__(self, parts: int, capacity: int, *, once: bool = True) -> None:
+    def __init__(self, parts: int, capacity: int, *, once: bool = True, newest: bool = False) -> None:
         if parts < 1 or capacity < 1:
             raise SpecError("nothing to join", key="parts, capacity", value=(parts, capacity), accepted="1 or more")
-        self._parts, self._capacity, self._once = parts, capacity, once
+        self._parts, self._capacity, self._once, self._newest = parts, capacity, once, newest
         # The first key came first, and is the one to give up; an OrderedDict finds it at once.
         self._open: OrderedDict[int, dict[int, T]] = OrderedDict()
         self._done: OrderedDict[int, None] = OrderedDict()
@@ -53,7 +54,10 @@ class StampJoiner(Generic[T]):
         if items is None:
             items = self._open[stamp] = {}
             self._make_room()
-        items.setdefault(part_index, item)
+        if self._newest:
+            items[part_index] = item
+        else:
+            items.setdefault(part_index, item)
         if len(items) < self._parts:
             return None
         del self._open[stamp]

@@ -29,6 +29,9 @@ def happen(law: Law, event: ControllerEvent) -> None:
         law.switch_to(str(content.get("to")))
     elif event.kind == "reset":
         law.reset_in_run()
+    elif event.kind == "publishers":
+        # Of the graph, and nothing that happened to the law.
+        return
     else:
         raise SpecError("does not fit this law", key="controller/events", value=event.line[:80])
 

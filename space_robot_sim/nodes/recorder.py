@@ -10,18 +10,42 @@ from rclpy.clock_type import ClockType
 from rclpy.subscription import Subscription
 from rclpy.time import Time
 
-from space_robot_msgs_py.codec.codecs import LOGGED, TopicBytes, decode_string, encode_clock
+from space_robot_msgs_py.codec.codecs import (
+    LOGGED,
+    CommandCodec,
+    TelemetryCodec,
+    TopicBytes,
+    decode_events,
+    decode_string,
+    encode_clock,
+    encode_events,
+)
 from space_robot_msgs_py.errors import CommandError, LogError, SpaceRobotError
+from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
-from space_robot_msgs_py.topics import BASE_ODOM, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic
+from space_robot_msgs_py.topics import (
+    ACCEPTED_COMMAND,
+    BASE_ODOM,
+    CONTROLLER_EVENTS,
+    RECORDER_CREDIT,
+    ROBOT_DESCRIPTION,
+    Topic,
+    topics_of,
+)
+from space_robot_sim.nodes.credit import MAX_AHEAD
+from space_robot_sim.nodes.publishers import KIND, Publishers
 
 WINDOW = 50
 EARLY = 64
 # The simulator may be so many ticks ahead of what is on the disk. Where the recorder can die alone, no further than the
 # tick that is being recorded, or what it had heard would be lost with it.
-AHEAD_IN_ONE_PROCESS, AHEAD_BESIDE = 256, 0
+AHEAD_IN_ONE_PROCESS, AHEAD_BESIDE = MAX_AHEAD, 0
 ROLL_CALL_SECONDS = 0.02
 GRACE_SECONDS = 1.0
+WATCH_SECONDS = 1.0
+COMMANDS = frozenset(topics_of("command"))
+ANSWERS = frozenset(("command", "controller_telemetry", "controller_event"))
 
 
 class TickWriter(Protocol):
@@ -43,8 +67,12 @@ class RecorderNode(GraphNode):
     The order in the file is by stamp, then by table, whatever the order of arrival: equal runs give equal files.
     Nothing is lost: the simulator starts when the recorder hears every topic (a controller of somebody else may have
     no telemetry: it gets a second) and never runs more than ``ahead`` ticks ahead of what is written, which is well
-    inside the depth of the queues. After ``~/reset`` a new log begins, once the first state of the new run is heard;
-    messages that overtook it are kept (``EARLY`` ticks).
+    inside the depth of the queues. When the simulator says that the run begins again a new log begins, and then the
+    simulator gets credit for the new run.
+
+    Once a command topic has more than one publisher the commands in the log are those that the simulator says it
+    accepted: which of two it heard first is known to it alone. A change of the nodes that publish a topic of a tick is
+    logged as an event.
 
     Args:
         open_writer: gives the writer of the k-th log of this run, k = 0 first.
@@ -74,7 +102,7 @@ class RecorderNode(GraphNode):
         self._writer = open_writer(0)
         self._period, self._last = period, steps * period
         self._next = 0
-        self._newest_state = -1
+        self._newest_state = self._doubted = -1
         self.lossless, self._ahead = lossless, ahead
         self._early: dict[int, dict[Topic, bytes]] = {}
         self._urdf: str | None = None
@@ -84,16 +112,34 @@ class RecorderNode(GraphNode):
         self.closed = False
         self.heard = 0
         self.gaps = 0
-        self.malformed = 0
         self.listen(ROBOT_DESCRIPTION, self._on_description)
         listeners = {topic: self._listen_recorded(topic) for topic in LOGGED}
-        self._readers = {topic: reader for topic, reader in listeners.items() if topic in self._expected}
+        self._required = {topic: reader for topic, reader in listeners.items() if topic in self._expected}
+        self._command_readers = [listeners[topic] for topic in topics_of("command")]
+        self._commands, self._accepted = CommandCodec(joint_names), TelemetryCodec(ACCEPTED_COMMAND)
+        self._contested = False
+        self._held: set[int] = set()
+        self._speakers = Publishers(self, LOGGED)
+        self._news: list[dict[str, Any]] = []
         self._credit_publisher = self.publisher(RECORDER_CREDIT)
         self._given = -1
         self._clock_of_calls = Clock(clock_type=ClockType.STEADY_TIME)
         self._present_since: Time | None = None
         self._started = False
         self._roll_call = self.create_timer(ROLL_CALL_SECONDS, self._call_roll, clock=self._clock_of_calls)
+        self._watch = self.create_timer(
+            WATCH_SECONDS, self._watch_publishers, clock=self._clock_of_calls, autostart=False
+        )
+
+    @property
+    def begun(self) -> bool:
+        """True when a state was heard."""
+        return self._newest_state >= 0 or self._logs > 0
+
+    @property
+    def malformed(self) -> int:
+        """How many messages were not recorded because they do not fit."""
+        return sum(self.refusals[topic.name] for topic in LOGGED)
 
     @property
     def complete(self) -> bool:
@@ -125,10 +171,10 @@ class RecorderNode(GraphNode):
 
     def _call_roll(self) -> None:
         """Let the run start once every required topic has a publisher and the optional ones had their second."""
-        absent = {topic for topic, reader in self._readers.items() if reader.get_publisher_count() == 0}
+        absent = {topic for topic, reader in self._required.items() if reader.get_publisher_count() == 0}
         if self._started:
             # Paced: a controller that appears later is waited for from then on.
-            self._expected |= self._readers.keys() - absent
+            self._expected |= self._required.keys() - absent
             return
         optional = {"controller_telemetry"} if self.lossless else {"controller_telemetry", "command", "reference"}
         if any(topic.kind not in optional for topic in absent):
@@ -140,6 +186,8 @@ class RecorderNode(GraphNode):
             return
         self._expected -= absent
         self._started = True
+        self._watch_publishers()
+        self._watch.reset()
         if self.lossless:
             self._roll_call.cancel()
         self._give_credit()
@@ -154,24 +202,37 @@ class RecorderNode(GraphNode):
     def _listen_recorded(self, topic: Topic) -> Subscription:
         def on_message(raw: bytes) -> None:
             self.heard += 1
-            if self.closed:
+            if self.closed or (self._contested and topic in COMMANDS):
                 return
             try:
                 stamp, data = self._canonical.read(topic, raw)
             except SpaceRobotError as error:
-                self._refuse(topic, error)
+                self.refuse(topic, error)
                 return
             if stamp % self._period == 0 and 0 <= stamp <= self._last:
                 self._take_in(topic, stamp, data)
             else:
-                self._refuse(topic, CommandError("not a tick of this run", key=topic.name, value=f"{stamp} ns"))
+                self.refuse(topic, CommandError("not a tick of this run", key=topic.name, value=f"{stamp} ns"))
 
         return self.listen(topic, on_message)
 
-    def _refuse(self, topic: Topic, error: Exception) -> None:
-        self.malformed += 1
-        if self.malformed == 1:
-            self.get_logger().warning(f"not recorded, a message on {topic.name}: {error}")
+    def _on_accepted(self, raw: bytes) -> None:
+        """Only once the command topics are contested: what the simulator took."""
+        self.heard += 1
+        if self.closed:
+            return
+        try:
+            telemetry = self._accepted.decode((raw,))
+            wrench, effort = telemetry["wrench"], telemetry["effort"]
+            parts = self._commands.encode(Command(telemetry.stamp, wrench, effort)) if wrench.size else ()
+        except (KeyError, SpaceRobotError) as error:
+            self.refuse(ACCEPTED_COMMAND, error)
+            return
+        if not parts:
+            self._held.add(telemetry.stamp)
+            self._write_complete()
+        for topic, data in zip(self._commands.topics, parts, strict=False):
+            self._take_in(topic, telemetry.stamp, data)
 
     def _on_description(self, raw: bytes) -> None:
         if self._urdf is None:
@@ -181,9 +242,10 @@ class RecorderNode(GraphNode):
 
     def _take_in(self, topic: Topic, stamp: int, data: bytes) -> None:
         if topic is BASE_ODOM:
-            if stamp < self._newest_state:
-                self._start_new_log()
-            self._newest_state = stamp
+            if stamp < self._next:
+                self.refuse(topic, f"stamp {stamp} ns is recorded already, and the run was not reset")
+                return
+            self._reach(stamp)
         if stamp < self._next:
             if stamp < EARLY * self._period:
                 self._early.setdefault(stamp, {})[topic] = data
@@ -191,34 +253,104 @@ class RecorderNode(GraphNode):
         parts = self._pending.setdefault(stamp, {})
         parts[topic] = data
         # The count first: it is nearly always the answer, and every message asks.
-        if len(parts) >= len(self._expected) or not self.lossless:
+        if len(parts) >= len(self._expected) or not self.lossless or self._held:
             self._write_complete()
+
+    def _reach(self, stamp: int) -> None:
+        """The plant is at this state; one that does not follow the newest is believed when the next one follows it."""
+        if self._newest_state < 0 and self._logs:
+            # Answers of the run before that came after its end.
+            for other, parts in self._pending.items():
+                if other > stamp:
+                    self._pending[other] = {topic: data for topic, data in parts.items() if topic.kind not in ANSWERS}
+            self._held.clear()
+        if stamp in (0, self._newest_state + self._period, self._doubted + self._period):
+            self._newest_state = max(self._newest_state, stamp)
+        elif stamp > self._newest_state:
+            self._doubted = stamp
 
     def _write_complete(self) -> None:
         if self._urdf is None:
             return
-        while self._has_all(self._pending.get(self._next)):
-            self._write(self._next)
-        while not self.lossless and self._newest_state >= self._next + WINDOW * self._period:
-            self.gaps += 1
-            self._write(self._next)
+        while self._has_all(self._next) or self._is_over(self._next):
+            # Whatever is in a complete tick came from publishers that are known by now.
+            if not self._contested and self._has_rivals():
+                self._contest()
+            else:
+                self.gaps += not self._has_all(self._next)
+                self._write(self._next)
 
-    def _has_all(self, parts: dict[Topic, bytes] | None) -> bool:
-        return parts is not None and parts.keys() >= self._expected
+    def _is_over(self, stamp: int) -> bool:
+        """Paced: nothing more is waited for."""
+        return not self.lossless and self._newest_state >= stamp + WINDOW * self._period
+
+    def _has_rivals(self) -> bool:
+        # The handles themselves: this is asked at every tick.
+        return any(reader.handle.get_publisher_count() > 1 for reader in self._command_readers)
+
+    def _contest(self) -> None:
+        """More than one node commands: from the next tick on, the log has what the simulator accepted."""
+        self._contested = True
+        for parts in self._pending.values():
+            for topic in COMMANDS:
+                parts.pop(topic, None)
+        self.listen(ACCEPTED_COMMAND, self._on_accepted)
+        self._watch_publishers()
+
+    def _watch_publishers(self) -> None:
+        """Log which nodes publish a topic where that has changed, with the next tick."""
+        try:
+            for topic, nodes in self._speakers.changes():
+                self.get_logger().warning(f"{topic.name} is now published by {', '.join(nodes)}")
+                self._news.append({"topic": topic.name, "nodes": nodes})
+        except Exception as error:
+            self.fail(error)
+
+    def _has_all(self, stamp: int) -> bool:
+        parts = self._pending.get(stamp)
+        if parts is None:
+            return False
+        return parts.keys() >= (self._expected - COMMANDS if stamp in self._held else self._expected)
 
     def _write(self, stamp: int) -> None:
         parts = self._pending.pop(stamp, {})
+        self._held.discard(stamp)
+        if self._news:
+            self._add_news(stamp, parts)
         self._writer.write_tick(stamp, parts)
         self._next = stamp + self._period
         self._give_credit()
 
-    def _start_new_log(self) -> None:
+    def _add_news(self, stamp: int, parts: dict[Topic, bytes]) -> None:
+        news = [ControllerEvent(stamp, KIND, content) for content in self._news]
+        own = decode_events(parts[CONTROLLER_EVENTS]) if CONTROLLER_EVENTS in parts else ()
+        parts[CONTROLLER_EVENTS] = encode_events([*news, *own])
+        self._news = []
+
+    def begin_again(self) -> None:
         """The plant was reset: what is complete stays in its log, the new run gets its own."""
+        if self.end_reason is not None:
+            return
+        ahead = self._ahead_of_reset()
         self.finish("reset")
+        if self.failure is not None:
+            return
         self._logs += 1
         self._writer = self._open_writer(self._logs)
-        self._pending, self._early = self._early, {}
-        self._newest_state, self._next, self._given, self.closed = -1, 0, -1, False
-        self._give_credit()
+        self._pending, self._early, self._held = ahead, {}, set()
+        self._newest_state, self._doubted, self._next, self._given, self.closed = -1, -1, 0, -1, False
         if self._urdf is not None:
             self._writer.write_description(self._urdf)
+        if self._started:
+            self._give_credit()
+
+    def _ahead_of_reset(self) -> dict[int, dict[Topic, bytes]]:
+        """What was sent for the new run before this node hears of it: references, which are functions of time."""
+        found = {
+            stamp: {topic: data for topic, data in parts.items() if topic.kind == "reference"}
+            for stamp, parts in self._pending.items()
+        }
+        for stamp, parts in self._early.items():
+            rest = {topic: data for topic, data in parts.items() if topic.kind not in ANSWERS}
+            found.setdefault(stamp, {}).update(rest)
+        return found
