@@ -59,7 +59,9 @@ class ControllerNode(ManagedNode):
         self._last_stamp, self._passed_by = -1, False
         self._waiting: tuple[RobotState, Reference] | None = None
         inputs = (*self._state.topics, *self._reference.topics)
-        self._joiner: StampJoiner[Blocks] = StampJoiner(len(inputs), JOIN_CAPACITY, once=False, newest=True)
+        self._joiner: StampJoiner[Blocks] = StampJoiner(
+            len(inputs), JOIN_CAPACITY, once=False, newest=range(len(self._state.topics))
+        )
         for index, topic in enumerate(inputs):
             self._listen_part(index, topic)
         self.keep()

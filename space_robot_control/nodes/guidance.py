@@ -14,8 +14,8 @@ from space_robot_msgs_py.topics import BASE_ODOM
 class GuidanceNode(GraphNode):
     """Publishes the reference of every tick up to ``ahead`` ticks before the robot gets there.
 
-    A reference is a function of time, so the controller never waits for it. A state that is none of this run, that is
-    older than the newest one, or far ahead of it without a second one that follows, moves nothing.
+    A reference is a function of time, so the controller never waits for it. A state that is none of this run, or far
+    ahead of it without a second one that follows, moves nothing.
 
     Args:
         reference: the motion, ready made.
@@ -66,10 +66,8 @@ class GuidanceNode(GraphNode):
         if rest or tick > self._steps:
             accepted = f"multiples of {self._period} ns up to {self._steps * self._period} ns"
             self.refuse(BASE_ODOM, LayoutError("not a tick of this run", key="stamp", value=stamp, accepted=accepted))
-        elif tick < self._reached:
-            self.refuse(BASE_ODOM, f"stamp {stamp} ns is older than {self._reached * self._period} ns")
         elif tick <= self._next or tick == self._doubted + 1:
-            self._reached = tick
+            self._reached = max(self._reached, tick)
             self._publish_until(tick + self._ahead)
         else:
             # Beyond all references that are out: states were lost, or this is none. The next one tells.

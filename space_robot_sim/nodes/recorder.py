@@ -20,13 +20,12 @@ from space_robot_msgs_py.codec.codecs import (
     encode_clock,
     encode_events,
 )
-from space_robot_msgs_py.errors import CommandError, LogError, SpaceRobotError
+from space_robot_msgs_py.errors import CommandError, LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import (
     ACCEPTED_COMMAND,
-    BASE_ODOM,
     CONTROLLER_EVENTS,
     RECORDER_CREDIT,
     ROBOT_DESCRIPTION,
@@ -45,6 +44,7 @@ ROLL_CALL_SECONDS = 0.02
 GRACE_SECONDS = 1.0
 WATCH_SECONDS = 1.0
 COMMANDS = frozenset(topics_of("command"))
+SAMPLE = frozenset((*topics_of("state"), *topics_of("plant_telemetry")))
 ANSWERS = frozenset(("command", "controller_telemetry", "controller_event"))
 
 
@@ -119,6 +119,7 @@ class RecorderNode(GraphNode):
         self._commands, self._accepted = CommandCodec(joint_names), TelemetryCodec(ACCEPTED_COMMAND)
         self._contested = False
         self._held: set[int] = set()
+        self._carried: set[tuple[Topic, int]] = set()
         self._speakers = Publishers(self, LOGGED)
         self._news: list[dict[str, Any]] = []
         self._credit_publisher = self.publisher(RECORDER_CREDIT)
@@ -133,7 +134,7 @@ class RecorderNode(GraphNode):
 
     @property
     def begun(self) -> bool:
-        """True when a state was heard."""
+        """True when the plant was heard."""
         return self._newest_state >= 0 or self._logs > 0
 
     @property
@@ -235,26 +236,43 @@ class RecorderNode(GraphNode):
             self._take_in(topic, telemetry.stamp, data)
 
     def _on_description(self, raw: bytes) -> None:
-        if self._urdf is None:
+        if self._urdf is not None:
+            return
+        try:
             self._urdf = decode_string(raw)
-            self._writer.write_description(self._urdf)
-            self._write_complete()
+        except LayoutError as error:
+            self.refuse(ROBOT_DESCRIPTION, error)
+            return
+        self._writer.write_description(self._urdf)
+        self._write_complete()
 
     def _take_in(self, topic: Topic, stamp: int, data: bytes) -> None:
-        if topic is BASE_ODOM:
-            if stamp < self._next:
-                self.refuse(topic, f"stamp {stamp} ns is recorded already, and the run was not reset")
-                return
-            self._reach(stamp)
         if stamp < self._next:
-            if stamp < EARLY * self._period:
+            if topic in SAMPLE:
+                self.refuse(topic, f"stamp {stamp} ns is recorded already, and the run was not reset")
+            elif topic.kind == "reference" and stamp < EARLY * self._period:
                 self._early.setdefault(stamp, {})[topic] = data
             return
         parts = self._pending.setdefault(stamp, {})
+        if topic in parts and self._stays(topic, stamp):
+            if parts[topic] != data:
+                self.refuse(topic, f"stamp {stamp} ns has another one")
+            return
         parts[topic] = data
+        if stamp > self._newest_state and topic in SAMPLE and parts.keys() >= SAMPLE:
+            self._reach(stamp)
         # The count first: it is nearly always the answer, and every message asks.
         if len(parts) >= len(self._expected) or not self.lossless or self._held:
             self._write_complete()
+
+    def _stays(self, topic: Topic, stamp: int) -> bool:
+        """Of two messages the first counts once the plant has reached their stamp: a stranger's may come before.
+
+        References are sent ahead: their first counts. Of commands the simulator knows which one does.
+        """
+        if topic.kind == "reference":
+            return (topic, stamp) not in self._carried
+        return stamp <= self._newest_state and topic not in COMMANDS
 
     def _reach(self, stamp: int) -> None:
         """The plant is at this state; one that does not follow the newest is believed when the next one follows it."""
@@ -265,8 +283,8 @@ class RecorderNode(GraphNode):
                     self._pending[other] = {topic: data for topic, data in parts.items() if topic.kind not in ANSWERS}
             self._held.clear()
         if stamp in (0, self._newest_state + self._period, self._doubted + self._period):
-            self._newest_state = max(self._newest_state, stamp)
-        elif stamp > self._newest_state:
+            self._newest_state = stamp
+        else:
             self._doubted = stamp
 
     def _write_complete(self) -> None:
@@ -338,6 +356,7 @@ class RecorderNode(GraphNode):
         self._logs += 1
         self._writer = self._open_writer(self._logs)
         self._pending, self._early, self._held = ahead, {}, set()
+        self._carried = {(topic, stamp) for stamp, parts in ahead.items() for topic in parts}
         self._newest_state, self._doubted, self._next, self._given, self.closed = -1, -1, 0, -1, False
         if self._urdf is not None:
             self._writer.write_description(self._urdf)
@@ -345,12 +364,11 @@ class RecorderNode(GraphNode):
             self._give_credit()
 
     def _ahead_of_reset(self) -> dict[int, dict[Topic, bytes]]:
-        """What was sent for the new run before this node hears of it: references, which are functions of time."""
+        """References, which are functions of time, and may be sent for the new run before this node hears of it."""
         found = {
             stamp: {topic: data for topic, data in parts.items() if topic.kind == "reference"}
             for stamp, parts in self._pending.items()
         }
         for stamp, parts in self._early.items():
-            rest = {topic: data for topic, data in parts.items() if topic.kind not in ANSWERS}
-            found.setdefault(stamp, {}).update(rest)
+            found.setdefault(stamp, {}).update(parts)
         return found

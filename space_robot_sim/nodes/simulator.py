@@ -121,6 +121,11 @@ class SimulatorNode(ManagedNode):
             self.pacer.pace(self._period / self._realtime)
 
     @property
+    def begun(self) -> bool:
+        """True when the first state is out."""
+        return self.started
+
+    @property
     def period(self) -> int:
         """Control period [ns]."""
         return self._period
