@@ -15,13 +15,14 @@ from space_robot_control.laws.switching import ACTIVE, Switching
 from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
 from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec, encode_events
+from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
 from space_robot_msgs_py.codec.values import Blocks
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState
 from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
-from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, Topic
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, WRENCH_COMMAND, Topic
 
 JOIN_CAPACITY = 1024
 HEARING_SECONDS = 5.0
@@ -54,6 +55,7 @@ class ControllerNode(ManagedNode):
         self._state = StateCodec(joint_names)
         self._reference = ReferenceCodec(joint_names)
         self._command = CommandCodec(joint_names)
+        self._marks = SenderMark(self._command.layouts)
         self._telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
         self._tuned: list[dict[str, Any]] = []
         self._last_stamp, self._passed_by = -1, False
@@ -86,7 +88,10 @@ class ControllerNode(ManagedNode):
         self._passed_by = self._last_stamp >= 0
         self._health = ControllerHealth(self, self._law)
         self.parameters.declare(self._law.parameters())
+        before = self.publishers_by_mark(WRENCH_COMMAND)
         self._command_publishers = [self.publisher(topic) for topic in self._command.topics]
+        mine = self.publishers_by_mark(WRENCH_COMMAND).keys() - before.keys()
+        self._mark = mine.pop() if len(mine) == 1 else UNMARKED
         self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
         self._event_publisher = self.publisher(CONTROLLER_EVENTS)
         if isinstance(self._law, Switching):
@@ -168,7 +173,7 @@ class ControllerNode(ManagedNode):
             self._event_publisher.wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
         # Telemetry first: when the plant has stepped, everything that belongs to the step before is on its way.
         self._telemetry_publisher.publish(self._telemetry.encode(output.telemetry)[0])
-        publish_all(self._command_publishers, self._command.encode(output.command))
+        publish_all(self._command_publishers, self._marks.put(self._command.encode(output.command), self._mark))
         if output.events:
             self._show_active()
             for event in output.events:

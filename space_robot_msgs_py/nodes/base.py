@@ -14,7 +14,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.task import Future
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from space_robot_msgs_py.codec.sender_mark import mark_of
 from space_robot_msgs_py.errors import LayoutError, SpecError, shortened
 from space_robot_msgs_py.escapes import visible
 from space_robot_msgs_py.nodes.parameters import NodeParameters
@@ -175,10 +177,15 @@ class GraphNode(Node):  # type: ignore[misc]
         own = self.get_fully_qualified_name()
         return f"published by {' or '.join(name for name in names if name != own) or 'a node that is gone'}"
 
+    def publishers_by_mark(self, topic: Topic) -> dict[bytes, str]:
+        """Full names of the nodes that publish a topic, by the mark of their publisher; a query of the graph."""
+        found = self.get_publishers_info_by_topic(topic.name)
+        return {mark_of(bytes(one.endpoint_gid)): _full_name(one) for one in found}
+
     def publishing_nodes(self, topic: Topic) -> tuple[str, ...]:
         """Full names of the nodes that publish a topic, each once; a query of the graph, not for every tick."""
         found = self.get_publishers_info_by_topic(topic.name)
-        return tuple(sorted({f"{one.node_namespace.rstrip('/')}/{one.node_name}" for one in found}))
+        return tuple(sorted({_full_name(one) for one in found}))
 
     def hear_begin(self, begin: RunBegin) -> None:
         """Take part in a run, or in another one where its simulator is the only one; a higher number is a reset."""
@@ -214,6 +221,10 @@ class GraphNode(Node):  # type: ignore[misc]
     def _hear_end(self, reason: str) -> None:
         self.end_reason = reason
         self.over.set_result(None)
+
+
+def _full_name(endpoint: TopicEndpointInfo) -> str:
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
 def publish_all(publishers: Sequence[Publisher], parts: Sequence[bytes]) -> None:

@@ -10,6 +10,7 @@ from rclpy.clock_type import ClockType
 from rclpy.subscription import Subscription
 
 from space_robot_msgs_py.codec.codecs import CommandCodec
+from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.joiner import StampJoiner
@@ -18,14 +19,19 @@ from space_robot_msgs_py.topics import Topic
 from space_robot_sim.nodes.accepted import AcceptedCommands
 
 JOIN_CAPACITY = 64
+# Marks that are looked up in the graph; more are no marks.
+MAX_SENDERS = 64
 # How long a controller that answered with what cannot be used is given to answer again; of the steady clock.
 SECOND_CHANCE = 1.0
+
+Joiner = StampJoiner[tuple[bytes, Sequence[bytes]]]
 
 
 class CommandPort:
     """Takes the parts of commands from the graph and offers at most one valid answer to the awaited stamp.
 
-    The first valid part of a stamp counts, whoever sent it: the middleware does not tell one publisher from another.
+    The first valid answer to a state counts, whichever node sent it. Its parts carry one mark, or both none, see
+    ``SenderMark``: parts of two shipped controllers, or of one and of another node, never make one command.
     A message with a stale or future stamp, with wrong names, wrong size or a number that is not finite is counted and
     is no answer. Where only such a message answers a state in lock-step, the plant holds, ``SECOND_CHANCE`` later.
 
@@ -41,9 +47,10 @@ class CommandPort:
     ) -> None:
         self._node, self._on_answer, self._keep_late = node, on_answer, keep_late
         self._codec = CommandCodec(joint_names)
-        self._joiner: StampJoiner[tuple[bytes, Sequence[bytes]]] = StampJoiner(
-            len(self._codec.topics), JOIN_CAPACITY, once=False
-        )
+        self._marks = SenderMark(self._codec.layouts)
+        # By the mark of the sender; what has none of a publisher of commands is joined among itself.
+        self._joiners: dict[bytes, Joiner] = {}
+        self._senders: dict[bytes, str] = {}
         self._second_chance = node.create_timer(
             SECOND_CHANCE, self._hold, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
         )
@@ -55,7 +62,7 @@ class CommandPort:
 
     def restart(self) -> None:
         """Await the answer to state 0 of a new run; all that was heard before is forgotten."""
-        self._joiner.clear()
+        self._joiners.clear()
         self.accepted.clear()
         self._newest: Command | None = None
         self._await(0)
@@ -83,31 +90,49 @@ class CommandPort:
 
     def _listen_part(self, index: int, topic: Topic) -> Subscription:
         def on_part(raw: bytes) -> None:
+            mark, raw = self._marks.read(index, raw), self._marks.remove(index, raw)
             try:
                 stamp = self._codec.peek(index, raw)
             except SpaceRobotError as error:
-                self._refuse("malformed", topic, error)
+                self._refuse("malformed", topic, error, mark)
                 return
-            if not self._in_time(stamp, index, raw):
+            if not self._in_time(stamp, topic, raw, mark):
                 return
             try:
                 blocks = self._codec.finite_blocks(index, raw)
             except SpaceRobotError as error:
-                self._refuse("invalid", topic, error)
+                self._refuse("invalid", topic, error, mark)
                 self._wait_for_a_valid_one(stamp)
                 return
-            joined = self._joiner.add(index, stamp, (raw, blocks))
+            joined = self._joiner(mark).add(index, stamp, (raw, blocks))
             if joined is not None:
                 self._take_in(stamp, joined)
 
         return self._node.listen(topic, on_part)
 
-    def _in_time(self, stamp: int, index: int, raw: bytes) -> bool:
+    def _joiner(self, mark: bytes) -> Joiner:
+        """Where the parts of one sender meet, so that two senders never make one command."""
+        joiner = self._joiners.get(mark)
+        if joiner is None:
+            # Of a message without a mark the two bytes may be anything, and different ones are no different senders.
+            mark = mark if self._sender(mark) else UNMARKED
+            joiner = self._joiners.get(mark)
+            if joiner is None:
+                joiner = StampJoiner(len(self._codec.topics), JOIN_CAPACITY, once=False)
+            self._joiners[mark] = joiner
+        return joiner
+
+    def _sender(self, mark: bytes) -> str:
+        """Full name of the node with this mark; nothing: there is none."""
+        if mark not in self._senders and mark != UNMARKED and len(self._senders) < MAX_SENDERS:
+            self._senders[mark] = self._node.publishers_by_mark(self._codec.topics[0]).get(mark, "")
+        return self._senders.get(mark, "")
+
+    def _in_time(self, stamp: int, topic: Topic, raw: bytes, mark: bytes) -> bool:
         if stamp == self._awaited and not self.answered:
             return True
-        topic = self._codec.topics[index]
         if stamp > self._awaited:
-            self._refuse("future", topic, f"stamp {stamp} ns is ahead of the state at {self._awaited} ns")
+            self._refuse("future", topic, f"stamp {stamp} ns is ahead of the state at {self._awaited} ns", mark)
             return False
         self.counts["late"] += 1
         known = self.accepted.parts(stamp)
@@ -116,7 +141,8 @@ class CommandPort:
         # What is delivered twice, or answered twice alike, is refused without a word: nothing is lost with it.
         again = known is not None and raw in known
         what = "older than" if stamp < self._awaited else "another answer to"
-        self._refuse("stale", topic, f"stamp {stamp} ns is {what} the state at {self._awaited} ns", loud=not again)
+        why = f"stamp {stamp} ns is {what} the state at {self._awaited} ns"
+        self._refuse("stale", topic, why, mark, loud=not again)
         return False
 
     def _take_in(self, stamp: int, parts: Sequence[tuple[bytes, Sequence[bytes]]]) -> None:
@@ -147,9 +173,10 @@ class CommandPort:
             except Exception as error:
                 self._node.fail(error)
 
-    def _refuse(self, what: str, topic: Topic, why: object, *, loud: bool = True) -> None:
+    def _refuse(self, what: str, topic: Topic, why: object, mark: bytes, *, loud: bool = True) -> None:
         self.counts[what] += 1
         if loud and what not in self._logged:
             self._logged.add(what)
-            senders = self._node.senders(topic)
+            sender = self._sender(mark)
+            senders = f"published by {sender}" if sender else self._node.senders(topic)
             self._node.get_logger().warning(f"refused a {what} message on {topic.name}: {why}; {senders}")

@@ -20,6 +20,7 @@ from space_robot_msgs_py.codec.codecs import (
     encode_clock,
     encode_events,
 )
+from space_robot_msgs_py.codec.sender_mark import SenderMark
 from space_robot_msgs_py.errors import CommandError, LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import Command
@@ -117,6 +118,7 @@ class RecorderNode(GraphNode):
         self._required = {topic: reader for topic, reader in listeners.items() if topic in self._expected}
         self._command_readers = [listeners[topic] for topic in topics_of("command")]
         self._commands, self._accepted = CommandCodec(joint_names), TelemetryCodec(ACCEPTED_COMMAND)
+        self._marks = SenderMark(self._commands.layouts)
         self._contested = False
         self._held: set[int] = set()
         self._carried: set[tuple[Topic, int]] = set()
@@ -206,6 +208,8 @@ class RecorderNode(GraphNode):
             if self.closed or (self._contested and topic in COMMANDS):
                 return
             try:
+                if topic in COMMANDS:
+                    raw = self._marks.remove(self._commands.topics.index(topic), raw)
                 stamp, data = self._canonical.read(topic, raw)
             except SpaceRobotError as error:
                 self.refuse(topic, error)
