@@ -16,7 +16,7 @@ from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
 from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec, encode_events
 from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
-from space_robot_msgs_py.codec.values import Blocks
+from space_robot_msgs_py.codec.values import Blocks, all_finite
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState
 from space_robot_msgs_py.joiner import StampJoiner
@@ -60,11 +60,11 @@ class ControllerNode(ManagedNode):
         self._tuned: list[dict[str, Any]] = []
         self._last_stamp, self._passed_by = -1, False
         self._waiting: tuple[RobotState, Reference] | None = None
-        inputs = (*self._state.topics, *self._reference.topics)
+        self._inputs = (*self._state.topics, *self._reference.topics)
         self._joiner: StampJoiner[Blocks] = StampJoiner(
-            len(inputs), JOIN_CAPACITY, once=False, newest=range(len(self._state.topics))
+            len(self._inputs), JOIN_CAPACITY, once=False, choose=self._choose
         )
-        for index, topic in enumerate(inputs):
+        for index, topic in enumerate(self._inputs):
             self._listen_part(index, topic)
         self.keep()
 
@@ -76,7 +76,7 @@ class ControllerNode(ManagedNode):
     @property
     def malformed(self) -> int:
         """How many messages were refused because they are no state or reference."""
-        return sum(self.refusals[topic.name] for topic in (*self._state.topics, *self._reference.topics))
+        return sum(self.refusals[topic.name] for topic in self._inputs)
 
     def configure(self) -> None:
         """Build the law; states that come before it is activated wait."""
@@ -126,20 +126,39 @@ class ControllerNode(ManagedNode):
 
         def on_part(raw: bytes) -> None:
             try:
-                stamp = codec.peek(part, raw)
-                joined = self._joiner.add(index, stamp, codec.finite_blocks(part, raw))
-                values = None if joined is None else self._join(stamp, joined)
+                # Checked alone: a part that does not fit must not take those of its stamp down with it.
+                codec.peek(part, raw)
+                stamp, blocks = codec.decode_part(part, raw)
             except SpaceRobotError as error:
                 self.refuse(topic, error)
                 return
-            if values is not None:
-                self._take_in(*values)
+            joined = self._joiner.add(index, stamp, blocks)
+            if joined is not None:
+                self._join(stamp, joined)
 
         self.listen(topic, on_part)
 
-    def _join(self, stamp: int, parts: Sequence[Blocks]) -> tuple[RobotState, Reference]:
+    def _choose(self, index: int, there: Blocks, new: Blocks) -> Blocks:
+        """Of two parts of one stamp: of a state the newer, because a stranger's comes before its time."""
+        better, worse = (new, there) if index < len(self._state.topics) else (there, new)
+        if better == worse:
+            return better
+        self.refuse(self._inputs[index], "two that differ have one stamp")
+        return better if all_finite(better) else worse
+
+    def _join(self, stamp: int, parts: Sequence[Blocks]) -> None:
         split = len(self._state.topics)
-        return self._state.join(stamp, parts[:split]), self._reference.join(stamp, parts[split:])
+        try:
+            state = self._state.join(stamp, parts[:split])
+            reference = self._reference.join(stamp, parts[split:])
+        except SpaceRobotError as error:
+            for index, blocks in enumerate(parts):
+                if all_finite(blocks):
+                    self._joiner.add(index, stamp, blocks)
+                else:
+                    self.refuse(self._inputs[index], error)
+            return
+        self._take_in(state, reference)
 
     def _take_in(self, state: RobotState, reference: Reference) -> None:
         if self.active:

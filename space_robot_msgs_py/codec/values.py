@@ -43,6 +43,16 @@ V = TypeVar("V")
 Blocks = Sequence[bytes]
 
 
+def all_finite(blocks: Blocks) -> bool:
+    """True where no number of a part is NaN or infinite."""
+    for block in blocks:
+        numbers = memoryview(block).cast("d")
+        # The sum tells nearly always; that of huge numbers may be infinite without any of them.
+        if not isfinite(sum(numbers)) and not all(map(isfinite, numbers)):
+            return False
+    return True
+
+
 class PartsCodec(Generic[V]):
     """What the codecs of state, reference and command share: a value is several messages of one stamp.
 
@@ -102,12 +112,9 @@ class PartsCodec(Generic[V]):
         """
         layout = self.layouts[index]
         _, *blocks = layout.blocks(raw)
-        for block in blocks:
-            numbers = memoryview(block).cast("d")
-            # The sum tells nearly always; that of huge numbers may be infinite without any of them.
-            if not isfinite(sum(numbers)) and not all(map(isfinite, numbers)):
-                wrong = next(number for number in numbers if not isfinite(number))
-                raise NonFiniteError("not a finite number", key=layout.topic, value=wrong)
+        if not all_finite(blocks):
+            wrong = next(one for block in blocks for one in memoryview(block).cast("d") if not isfinite(one))
+            raise NonFiniteError("not a finite number", key=layout.topic, value=wrong)
         return blocks
 
     def join(self, stamp: int, parts: Sequence[Blocks]) -> V:

@@ -29,6 +29,8 @@ class AcceptedCommands:
 
     def __init__(self, node: GraphNode) -> None:
         self._publisher = node.publisher(ACCEPTED_COMMAND)
+        # Of the handle itself: it is asked at every tick.
+        self._count = self._publisher.handle.get_subscription_count
         self._codec = TelemetryCodec(ACCEPTED_COMMAND)
         self._kept: OrderedDict[int, tuple[Command | None, Sequence[bytes]]] = OrderedDict()
         self._listened = False
@@ -52,8 +54,7 @@ class AcceptedCommands:
 
     def look(self) -> None:
         """Publish what is kept when the first listener is there; afterwards every command goes out at once."""
-        # The handle itself: this is asked at every tick.
-        if not self._listened and self._publisher.handle.get_subscription_count() > 0:
+        if not self._listened and self._count() > 0:
             self._listened = True
             for stamp, (command, _) in self._kept.items():
                 self._publish(stamp, command)

@@ -28,6 +28,7 @@ from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import (
     ACCEPTED_COMMAND,
     CONTROLLER_EVENTS,
+    PLANT_TELEMETRY,
     RECORDER_CREDIT,
     ROBOT_DESCRIPTION,
     Topic,
@@ -113,12 +114,13 @@ class RecorderNode(GraphNode):
         self.closed = False
         self.heard = 0
         self.gaps = 0
+        self._commands, self._accepted = CommandCodec(joint_names), TelemetryCodec(ACCEPTED_COMMAND)
+        self._marks = SenderMark(self._commands.layouts)
         self.listen(ROBOT_DESCRIPTION, self._on_description)
         listeners = {topic: self._listen_recorded(topic) for topic in LOGGED}
         self._required = {topic: reader for topic, reader in listeners.items() if topic in self._expected}
-        self._command_readers = [listeners[topic] for topic in topics_of("command")]
-        self._commands, self._accepted = CommandCodec(joint_names), TelemetryCodec(ACCEPTED_COMMAND)
-        self._marks = SenderMark(self._commands.layouts)
+        # Of the handles themselves: they are asked at every tick.
+        self._command_counts = [listeners[topic].handle.get_publisher_count for topic in self._commands.topics]
         self._contested = False
         self._held: set[int] = set()
         self._carried: set[tuple[Topic, int]] = set()
@@ -203,13 +205,15 @@ class RecorderNode(GraphNode):
             self._credit_publisher.publish(encode_clock(reach))
 
     def _listen_recorded(self, topic: Topic) -> Subscription:
+        part = self._commands.topics.index(topic) if topic in COMMANDS else None
+
         def on_message(raw: bytes) -> None:
             self.heard += 1
-            if self.closed or (self._contested and topic in COMMANDS):
+            if self.closed or (self._contested and part is not None):
                 return
             try:
-                if topic in COMMANDS:
-                    raw = self._marks.remove(self._commands.topics.index(topic), raw)
+                if part is not None:
+                    raw = self._marks.remove(part, raw)
                 stamp, data = self._canonical.read(topic, raw)
             except SpaceRobotError as error:
                 self.refuse(topic, error)
@@ -263,7 +267,8 @@ class RecorderNode(GraphNode):
                 self.refuse(topic, f"stamp {stamp} ns has another one")
             return
         parts[topic] = data
-        if stamp > self._newest_state and topic in SAMPLE and parts.keys() >= SAMPLE:
+        # That which comes last is asked for first.
+        if stamp > self._newest_state and topic in SAMPLE and PLANT_TELEMETRY in parts and parts.keys() >= SAMPLE:
             self._reach(stamp)
         # The count first: it is nearly always the answer, and every message asks.
         if len(parts) >= len(self._expected) or not self.lossless or self._held:
@@ -307,8 +312,8 @@ class RecorderNode(GraphNode):
         return not self.lossless and self._newest_state >= stamp + WINDOW * self._period
 
     def _has_rivals(self) -> bool:
-        # The handles themselves: this is asked at every tick.
-        return any(reader.handle.get_publisher_count() > 1 for reader in self._command_readers)
+        wrench, joints = self._command_counts
+        return bool(wrench() > 1 or joints() > 1)
 
     def _contest(self) -> None:
         """More than one node commands: from the next tick on, the log has what the simulator accepted."""
