@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from time import monotonic
 from typing import Any
 
@@ -171,11 +171,15 @@ class GraphNode(Node):  # type: ignore[misc]
         if self.refusals[topic.name] == 1:
             self.get_logger().warning(f"refused a message on {topic.name}: {why}; {self.senders(topic)}")
 
-    def senders(self, topic: Topic) -> str:
-        """Who may have sent a message, for logs: the middleware does not tell which publisher it came from."""
-        names = self.publishing_nodes(topic)
-        own = self.get_fully_qualified_name()
-        return f"published by {' or '.join(name for name in names if name != own) or 'a node that is gone'}"
+    def senders(self, topic: Topic, others: Collection[str] = ()) -> str:
+        """Which nodes may have sent a message, for logs: the middleware does not tell which one did.
+
+        Args:
+            topic: of the message.
+            others: full names of nodes which did not send it.
+        """
+        found = set(self.publishing_nodes(topic)).difference(others, {self.get_fully_qualified_name()})
+        return f"published by {' or '.join(sorted(found)) or 'a node that is gone'}"
 
     def publishers_by_mark(self, topic: Topic) -> dict[bytes, str]:
         """Full names of the nodes that publish a topic, by the mark of their publisher; a query of the graph."""

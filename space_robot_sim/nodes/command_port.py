@@ -178,5 +178,6 @@ class CommandPort:
         if loud and what not in self._logged:
             self._logged.add(what)
             sender = self._sender(mark)
-            senders = f"published by {sender}" if sender else self._node.senders(topic)
-            self._node.get_logger().warning(f"refused a {what} message on {topic.name}: {why}; {senders}")
+            others = () if sender else self._senders.values()
+            senders = f"published by {sender}" if sender else self._node.senders(topic, others)
+            self._node.get_logger().warning(f"refused a message on {topic.name} as {what}: {why}; {senders}")

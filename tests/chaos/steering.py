@@ -171,7 +171,9 @@ class Driver:
         if not self.paced:
             robot.spin_until(lambda: robot.recorder.complete, "the last tick to be recorded")
         robot.recorder.finish(str(robot.recorder.end_reason))
-        assert robot.recorder.end_reason == "completed" or (self.paced and self.law_gave_up()), robot.recorder.end_reason
+        assert robot.recorder.end_reason == "completed" or (self.paced and self.law_gave_up()), (
+            robot.recorder.end_reason
+        )
 
     def answered_or_over(self) -> bool:
         """The state at which the run stands has its answer, or the run is over."""

@@ -153,7 +153,8 @@ def refused(robot: Flight) -> int:
 def go_on(robot: Flight) -> None:
     """Let the run go on to its end."""
     robot.simulator.pause(False)
-    controller_of(robot).trigger_activate()
+    if not controller_of(robot).active:
+        controller_of(robot).trigger_activate()
     robot.spin_until(lambda: robot.recorder.end_reason, "the end of the run")
     robot.spin_until(lambda: robot.recorder.complete, "the last tick")
     robot.recorder.finish("completed")
