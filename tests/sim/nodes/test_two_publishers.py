@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
+from rclpy.parameter import Parameter
+
 from space_robot_bringup.modes.graph import LIGHT
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_msgs_py.codec.codecs import CommandCodec, peek_stamp
@@ -115,11 +117,32 @@ def poisoned(parts: tuple[bytes, ...]) -> tuple[bytes, ...]:
     return parts[0], parts[1][:-8] + np.array([np.nan]).tobytes()
 
 
+class Overheard:
+    """All commands that anything published, by stamp and mark."""
+
+    def __init__(self, robot: Flight) -> None:
+        self._codec = CommandCodec(robot.composition.joint_names)
+        self._marks = SenderMark(self._codec.layouts)
+        self.parts: dict[tuple[int, bytes], dict[int, list[bytes]]] = {}
+        for index, topic in enumerate(self._codec.topics):
+            robot.stranger.listen(topic, lambda raw, index=index: self._take_in(index, raw))
+
+    def _take_in(self, index: int, raw: bytes) -> None:
+        parts = self.parts.setdefault((peek_stamp(raw), self._marks.read(index, raw)), {})
+        parts.setdefault(index, []).append(self._marks.remove(index, raw))
+
+    def commands(self, stamp: int) -> list[bytes]:
+        """Generalised force of every whole command of a stamp."""
+        found = [parts for (heard, _), parts in self.parts.items() if heard == stamp]
+        return [self._codec.decode((parts[0][0], parts[1][0])).u.tobytes() for parts in found]
+
+
 @pytest.mark.parametrize("shipped", [True, False])
 def test_two_controllers_never_make_one_command(shipped: bool, tmp_path: Path) -> None:
     """With a second one that answers every state the run completes, every command is one controller's, and recorded."""
     with flight(tmp_path / "run", SHORT) as robot:
         robot.simulator.pause(True)
+        overheard = Overheard(robot)
         if shipped:
             second = second_controller(robot)
         else:
@@ -129,10 +152,12 @@ def test_two_controllers_never_make_one_command(shipped: bool, tmp_path: Path) -
         robot.spin_until(lambda: robot.recorder.end_reason, "the end of the run")
         robot.spin_until(lambda: robot.recorder.complete, "the last tick")
         robot.recorder.finish("completed")
+        robot.settle()
         if shipped:
             second.destroy_node()
-    if not shipped:
-        assert all(wrench == effort for wrench, effort in map(is_foreign, ticks_of(tmp_path / "run")[1:]))
+    for tick in ticks_of(tmp_path / "run"):
+        assert tick.output.command.u.tobytes() in overheard.commands(tick.stamp)
+        assert len(overheard.commands(tick.stamp)) == 2
     assert_recorded_as_applied(tmp_path / "run")
     names = ["/controller", "/second" if shipped else "/stranger"]
     found = {one["topic"]: one["nodes"] for one in events(tmp_path / "run") if one["kind"] == "publishers"}
@@ -140,13 +165,31 @@ def test_two_controllers_never_make_one_command(shipped: bool, tmp_path: Path) -
 
 
 def second_controller(robot: Flight) -> ControllerNode:
-    """A shipped controller beside the one of the run, with other gains."""
+    """A shipped controller beside the one of the run, with another gain."""
     node = ControllerNode(
         robot.composition.controller, robot.composition.joint_names, name="second", context=robot.context, **LIGHT
     )
     bring_up([node])
+    node.set_parameters([Parameter("gains.kappa", value=0.5)])
     robot.executor.add_node(node)
     return node
+
+
+def test_a_run_in_lock_step_refuses_nothing(tmp_path: Path) -> None:
+    """A controller that is held, and one that is configured anew, answer each state once; no answer is stale."""
+    with flight(tmp_path / "run", SHORT) as robot:
+        overheard = Overheard(robot)
+        stand_unanswered(robot)
+        controller = controller_of(robot)
+        controller.trigger_cleanup()
+        controller.trigger_configure()
+        robot.settle()
+        go_on(robot)
+        robot.settle()
+        assert not robot.simulator.commands.counts
+        assert not any(node.refusals for node in robot.nodes.values())
+    assert sorted(stamp for stamp, _ in overheard.parts) == [PERIOD * k for k in range(21)]
+    assert all([len(heard) for heard in parts.values()] == [1, 1] for parts in overheard.parts.values())
 
 
 def test_an_answer_that_comes_twice_is_refused_without_a_word(
