@@ -45,7 +45,8 @@ _CONVENTIONS = """\
 - Covariances are zero when sent and not looked at when read.
 - Telemetry has one entry in `layout.dim` for each block: label, size, and stride equal to size. The first block is
   `stamp`, one number, in ns; it is exact below 2^53 ns (104 days).
-- Messages are little-endian CDR with zero padding. A message with other names, frames or sizes is refused.
+- Messages are little-endian CDR with zero padding; in commands on the graph two bytes of it tell the sender. A message
+  with other names, frames or sizes is refused.
 """
 
 

@@ -11,7 +11,7 @@ from space_robot_bringup.replay.recording import Recording, other_code
 from space_robot_bringup.replay.result import Outcome, absent_topics
 from space_robot_msgs_py.codec.codecs import TickCodec, decode_events
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, topics_of
 
@@ -111,7 +111,7 @@ class _Replay:
     def _events(self, parts: Mapping[str, bytes]) -> tuple[ControllerEvent, ...]:
         raw = parts.get(CONTROLLER_EVENTS.name)
         try:
-            return () if raw is None else decode_events(raw)
+            return () if raw is None else tuple(one for one in decode_events(raw) if one.kind != PUBLISHERS)
         except SpaceRobotError as error:
             self._notes[f"recorded events cannot be read ({error})"] += 1
             return ()

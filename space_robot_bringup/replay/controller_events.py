@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
 
 
@@ -22,6 +22,8 @@ def happen(law: Law, event: ControllerEvent) -> None:
         SpecError: this law cannot be changed so.
     """
     content = event.content
+    if event.kind == PUBLISHERS:
+        return
     if event.kind == "parameters" and isinstance(content.get("values"), dict):
         law.tune(content["values"])
     elif event.kind == "switch" and isinstance(law, Switching):
@@ -29,9 +31,6 @@ def happen(law: Law, event: ControllerEvent) -> None:
         law.switch_to(str(content.get("to")))
     elif event.kind == "reset":
         law.reset_in_run()
-    elif event.kind == "publishers":
-        # Of the graph, and nothing that happened to the law.
-        return
     else:
         raise SpecError("does not fit this law", key="controller/events", value=event.line[:80])
 

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import Topic
 
-KIND = "publishers"
 # The first bytes of a publisher's id are those of its process.
 PROCESS_BYTES = 12
 

@@ -22,7 +22,7 @@ from space_robot_msgs_py.codec.codecs import (
 )
 from space_robot_msgs_py.codec.sender_mark import SenderMark
 from space_robot_msgs_py.errors import CommandError, LayoutError, LogError, SpaceRobotError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import (
@@ -35,7 +35,7 @@ from space_robot_msgs_py.topics import (
     topics_of,
 )
 from space_robot_sim.nodes.credit import MAX_AHEAD
-from space_robot_sim.nodes.publishers import KIND, Publishers
+from space_robot_sim.nodes.publishers import Publishers
 
 WINDOW = 50
 EARLY = 64
@@ -349,7 +349,7 @@ class RecorderNode(GraphNode):
         self._give_credit()
 
     def _add_news(self, stamp: int, parts: dict[Topic, bytes]) -> None:
-        news = [ControllerEvent(stamp, KIND, content) for content in self._news]
+        news = [ControllerEvent(stamp, PUBLISHERS, content) for content in self._news]
         own = decode_events(parts[CONTROLLER_EVENTS]) if CONTROLLER_EVENTS in parts else ()
         parts[CONTROLLER_EVENTS] = encode_events([*news, *own])
         self._news = []
