@@ -157,6 +157,7 @@ def go_on(robot: Flight) -> None:
         controller_of(robot).trigger_activate()
     robot.spin_until(lambda: robot.recorder.end_reason, "the end of the run")
     robot.spin_until(lambda: robot.recorder.complete, "the last tick")
+    robot.settle()
     robot.recorder.finish("completed")
 
 
