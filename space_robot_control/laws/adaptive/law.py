@@ -66,6 +66,7 @@ class Adaptive(Law):
         """Gains of the adaptive law."""
 
     name = "adaptive"
+    uses_command_delay = True
     telemetry_fields: ClassVar[Mapping[str, str]] = {
         "position_error": "p_d - p, inertial axes; free-flying robots [m]",
         "euler_error": "errors of roll, pitch, yaw [rad]",
