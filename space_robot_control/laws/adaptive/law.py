@@ -150,7 +150,7 @@ class Adaptive(Law):
     def on_applied(self, command: Command, *, own: bool) -> None:
         """The wheels take up every torque; the update needs the command of periods that began with ``compute``."""
         wrench = np.array(command.wrench)
-        middle = self._wheels.apply(wrench[3:], self.control_period)
+        middle = self._wheels.apply(command.u, self.control_period)
         if self._start is not None:
             self._update.begin(PeriodStart(*self._start, middle, wrench))
         self._start = None
