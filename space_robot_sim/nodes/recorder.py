@@ -21,33 +21,21 @@ from space_robot_msgs_py.codec.codecs import (
     encode_events,
 )
 from space_robot_msgs_py.codec.sender_mark import SenderMark
-from space_robot_msgs_py.errors import CommandError, LayoutError, LogError, SpaceRobotError
+from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
-from space_robot_msgs_py.topics import (
-    ACCEPTED_COMMAND,
-    CONTROLLER_EVENTS,
-    PLANT_TELEMETRY,
-    RECORDER_CREDIT,
-    ROBOT_DESCRIPTION,
-    Topic,
-    topics_of,
-)
+from space_robot_msgs_py.topics import ACCEPTED_COMMAND, CONTROLLER_EVENTS, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic
 from space_robot_sim.nodes.credit import MAX_AHEAD
 from space_robot_sim.nodes.publishers import Publishers
+from space_robot_sim.nodes.tick_parts import COMMANDS, TickParts
 
-WINDOW = 50
-EARLY = 64
 # The simulator may be so many ticks ahead of what is on the disk. Where the recorder can die alone, no further than the
 # tick that is being recorded, or what it had heard would be lost with it.
 AHEAD_IN_ONE_PROCESS, AHEAD_BESIDE = MAX_AHEAD, 0
 ROLL_CALL_SECONDS = 0.02
 GRACE_SECONDS = 1.0
 WATCH_SECONDS = 1.0
-COMMANDS = frozenset(topics_of("command"))
-SAMPLE = frozenset((*topics_of("state"), *topics_of("plant_telemetry")))
-ANSWERS = frozenset(("command", "controller_telemetry", "controller_event"))
 
 
 class TickWriter(Protocol):
@@ -82,7 +70,7 @@ class RecorderNode(GraphNode):
         period: control period [ns].
         steps: number of periods of the run; the log ends with tick ``steps``.
         lossless: every topic there is will speak at every stamp (lock-step); False: a stamp may miss some (paced), it
-            is then written after ``WINDOW`` ticks as it is; a topic whose publisher comes later is expected from then.
+            is then written as it is, some ticks later; a topic whose publisher comes later is expected from then.
         ahead: ticks that the simulator may be ahead of the log; 0: state k comes when tick k - 1 is in the log.
         options: see GraphNode.
     """
@@ -103,13 +91,9 @@ class RecorderNode(GraphNode):
         self._open_writer, self._logs = open_writer, 0
         self._writer = open_writer(0)
         self._period, self._last = period, steps * period
-        self._next = 0
-        self._newest_state = self._doubted = -1
+        self._parts = TickParts(period, steps)
         self.lossless, self._ahead = lossless, ahead
-        self._early: dict[int, dict[Topic, bytes]] = {}
         self._urdf: str | None = None
-        self._pending: dict[int, dict[Topic, bytes]] = {}
-        self._expected = {topic for topic in LOGGED if not topic.sporadic}
         self._canonical = TopicBytes(joint_names)
         self.closed = False
         self.heard = 0
@@ -118,12 +102,9 @@ class RecorderNode(GraphNode):
         self._marks = SenderMark(self._commands.layouts)
         self.listen(ROBOT_DESCRIPTION, self._on_description)
         listeners = {topic: self._listen_recorded(topic) for topic in LOGGED}
-        self._required = {topic: reader for topic, reader in listeners.items() if topic in self._expected}
+        self._required = {topic: reader for topic, reader in listeners.items() if topic in self._parts.expected}
         # Of the handles themselves: they are asked at every tick.
         self._command_counts = [listeners[topic].handle.get_publisher_count for topic in self._commands.topics]
-        self._contested = False
-        self._held: set[int] = set()
-        self._carried: set[tuple[Topic, int]] = set()
         self._speakers = Publishers(self, LOGGED)
         self._news: list[dict[str, Any]] = []
         self._credit_publisher = self.publisher(RECORDER_CREDIT)
@@ -139,7 +120,7 @@ class RecorderNode(GraphNode):
     @property
     def begun(self) -> bool:
         """True when the plant was heard."""
-        return self._newest_state >= 0 or self._logs > 0
+        return self._parts.reached >= 0 or self._logs > 0
 
     @property
     def malformed(self) -> int:
@@ -149,12 +130,12 @@ class RecorderNode(GraphNode):
     @property
     def complete(self) -> bool:
         """True when the last tick of the run is written."""
-        return self._next > self._last
+        return self._parts.next > self._last
 
     @property
     def written_until(self) -> int:
         """Stamp of the newest tick in the log [ns]; -1: none."""
-        return self._next - self._period if self._next else -1
+        return self._parts.next - self._period if self._parts.next else -1
 
     def finish(self, reason: str) -> str:
         """Write what is left of the ticks the robot reached and close the log; later calls do nothing.
@@ -165,9 +146,8 @@ class RecorderNode(GraphNode):
         if not self.closed and not isinstance(self.failure, LogError):
             self.closed = True
             try:
-                for stamp in sorted(self._pending):
-                    if stamp <= self._newest_state:
-                        self._write(stamp)
+                for stamp, parts in self._parts.rest():
+                    self._write(stamp, parts)
                 self._writer.close(reason)
             except LogError as error:
                 self.fail(error)
@@ -179,7 +159,7 @@ class RecorderNode(GraphNode):
         absent = {topic for topic, reader in self._required.items() if reader.get_publisher_count() == 0}
         if self._started:
             # Paced: a controller that appears later is waited for from then on.
-            self._expected |= self._required.keys() - absent
+            self._parts.expected |= self._required.keys() - absent
             return
         optional = {"controller_telemetry"} if self.lossless else {"controller_telemetry", "command", "reference"}
         if any(topic.kind not in optional for topic in absent):
@@ -189,7 +169,7 @@ class RecorderNode(GraphNode):
         self._present_since = self._present_since or now
         if absent and (now - self._present_since).nanoseconds < GRACE_SECONDS * 1e9:
             return
-        self._expected -= absent
+        self._parts.expected -= absent
         self._started = True
         self._watch_publishers()
         self._watch.reset()
@@ -199,7 +179,7 @@ class RecorderNode(GraphNode):
 
     def _give_credit(self) -> None:
         """Half of what was given is still unused when the next comes: nobody waits for it."""
-        reach = self._next + self._ahead * self._period
+        reach = self._parts.next + self._ahead * self._period
         if reach >= self._given + self._ahead // 2 * self._period:
             self._given = reach
             self._credit_publisher.publish(encode_clock(reach))
@@ -209,7 +189,7 @@ class RecorderNode(GraphNode):
 
         def on_message(raw: bytes) -> None:
             self.heard += 1
-            if self.closed or (self._contested and part is not None):
+            if self.closed or (part is not None and self._parts.contested):
                 return
             try:
                 if part is not None:
@@ -218,10 +198,7 @@ class RecorderNode(GraphNode):
             except SpaceRobotError as error:
                 self.refuse(topic, error)
                 return
-            if stamp % self._period == 0 and 0 <= stamp <= self._last:
-                self._take_in(topic, stamp, data)
-            else:
-                self.refuse(topic, CommandError("not a tick of this run", key=topic.name, value=f"{stamp} ns"))
+            self._take_in(topic, stamp, data)
 
         return self.listen(topic, on_message)
 
@@ -234,11 +211,11 @@ class RecorderNode(GraphNode):
             telemetry = self._accepted.decode((raw,))
             wrench, effort = telemetry["wrench"], telemetry["effort"]
             parts = self._commands.encode(Command(telemetry.stamp, wrench, effort)) if wrench.size else ()
-        except (KeyError, SpaceRobotError) as error:
+        except SpaceRobotError as error:
             self.refuse(ACCEPTED_COMMAND, error)
             return
         if not parts:
-            self._held.add(telemetry.stamp)
+            self._parts.hold(telemetry.stamp)
             self._write_complete()
         for topic, data in zip(self._commands.topics, parts, strict=False):
             self._take_in(topic, telemetry.stamp, data)
@@ -255,61 +232,24 @@ class RecorderNode(GraphNode):
         self._write_complete()
 
     def _take_in(self, topic: Topic, stamp: int, data: bytes) -> None:
-        if stamp < self._next:
-            if topic in SAMPLE:
-                self.refuse(topic, f"stamp {stamp} ns is recorded already, and the run was not reset")
-            elif topic.kind == "reference" and stamp < EARLY * self._period:
-                self._early.setdefault(stamp, {})[topic] = data
+        refusal = self._parts.take(topic, stamp, data)
+        if refusal is None:
             return
-        parts = self._pending.setdefault(stamp, {})
-        if topic in parts and self._stays(topic, stamp):
-            if parts[topic] != data:
-                self.refuse(topic, f"stamp {stamp} ns has another one")
-            return
-        parts[topic] = data
-        # That which comes last is asked for first.
-        if stamp > self._newest_state and topic in SAMPLE and PLANT_TELEMETRY in parts and parts.keys() >= SAMPLE:
-            self._reach(stamp)
-        # The count first: it is nearly always the answer, and every message asks.
-        if len(parts) >= len(self._expected) or not self.lossless or self._held:
+        if refusal:
+            self.refuse(topic, refusal)
+        else:
             self._write_complete()
 
-    def _stays(self, topic: Topic, stamp: int) -> bool:
-        """Of two messages the first counts once the plant has reached their stamp: a stranger's may come before.
-
-        References are sent ahead: their first counts. Of commands the simulator knows which one does.
-        """
-        if topic.kind == "reference":
-            return (topic, stamp) not in self._carried
-        return stamp <= self._newest_state and topic not in COMMANDS
-
-    def _reach(self, stamp: int) -> None:
-        """The plant is at this state; one that does not follow the newest is believed when the next one follows it."""
-        if self._newest_state < 0 and self._logs:
-            # Answers of the run before that came after its end.
-            for other, parts in self._pending.items():
-                if other > stamp:
-                    self._pending[other] = {topic: data for topic, data in parts.items() if topic.kind not in ANSWERS}
-            self._held.clear()
-        if stamp in (0, self._newest_state + self._period, self._doubted + self._period):
-            self._newest_state = stamp
-        else:
-            self._doubted = stamp
-
     def _write_complete(self) -> None:
-        if self._urdf is None:
-            return
-        while self._has_all(self._next) or self._is_over(self._next):
+        while (complete := self._parts.complete()) or (not self.lossless and self._parts.over()):
+            if self._urdf is None:
+                return
             # Whatever is in a complete tick came from publishers that are known by now.
-            if not self._contested and self._has_rivals():
+            if not self._parts.contested and self._has_rivals():
                 self._contest()
             else:
-                self.gaps += not self._has_all(self._next)
-                self._write(self._next)
-
-    def _is_over(self, stamp: int) -> bool:
-        """Paced: nothing more is waited for."""
-        return not self.lossless and self._newest_state >= stamp + WINDOW * self._period
+                self.gaps += not complete
+                self._write(*self._parts.pop())
 
     def _has_rivals(self) -> bool:
         wrench, joints = self._command_counts
@@ -317,10 +257,7 @@ class RecorderNode(GraphNode):
 
     def _contest(self) -> None:
         """More than one node commands: from the next tick on, the log has what the simulator accepted."""
-        self._contested = True
-        for parts in self._pending.values():
-            for topic in COMMANDS:
-                parts.pop(topic, None)
+        self._parts.contest()
         self.listen(ACCEPTED_COMMAND, self._on_accepted)
         self._watch_publishers()
 
@@ -333,19 +270,10 @@ class RecorderNode(GraphNode):
         except Exception as error:
             self.fail(error)
 
-    def _has_all(self, stamp: int) -> bool:
-        parts = self._pending.get(stamp)
-        if parts is None:
-            return False
-        return parts.keys() >= (self._expected - COMMANDS if stamp in self._held else self._expected)
-
-    def _write(self, stamp: int) -> None:
-        parts = self._pending.pop(stamp, {})
-        self._held.discard(stamp)
+    def _write(self, stamp: int, parts: dict[Topic, bytes]) -> None:
         if self._news:
             self._add_news(stamp, parts)
         self._writer.write_tick(stamp, parts)
-        self._next = stamp + self._period
         self._give_credit()
 
     def _add_news(self, stamp: int, parts: dict[Topic, bytes]) -> None:
@@ -358,26 +286,14 @@ class RecorderNode(GraphNode):
         """The plant was reset: what is complete stays in its log, the new run gets its own."""
         if self.end_reason is not None:
             return
-        ahead = self._ahead_of_reset()
         self.finish("reset")
         if self.failure is not None:
             return
         self._logs += 1
         self._writer = self._open_writer(self._logs)
-        self._pending, self._early, self._held = ahead, {}, set()
-        self._carried = {(topic, stamp) for stamp, parts in ahead.items() for topic in parts}
-        self._newest_state, self._doubted, self._next, self._given, self.closed = -1, -1, 0, -1, False
+        self._parts.begin_again()
+        self._given, self.closed = -1, False
         if self._urdf is not None:
             self._writer.write_description(self._urdf)
         if self._started:
             self._give_credit()
-
-    def _ahead_of_reset(self) -> dict[int, dict[Topic, bytes]]:
-        """References, which are functions of time, and may be sent for the new run before this node hears of it."""
-        found = {
-            stamp: {topic: data for topic, data in parts.items() if topic.kind == "reference"}
-            for stamp, parts in self._pending.items()
-        }
-        for stamp, parts in self._early.items():
-            found.setdefault(stamp, {}).update(parts)
-        return found
