@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from space_robot_msgs_py.codec.codecs import LOGGED
-from space_robot_msgs_py.topics import PLANT_TELEMETRY, Topic, topics_of
+from space_robot_msgs_py.topics import BASE_ODOM, PLANT_TELEMETRY, Topic, topics_of
 
 # Paced, so many ticks later nothing is waited for.
 WINDOW = 50
@@ -19,8 +19,8 @@ Parts = dict[Topic, bytes]
 class TickParts:
     """Collects the messages of each stamp of a run.
 
-    One message that should not be there is not told from the others by its sender, but by its time: until the plant has
-    reached a stamp, which is when its state and telemetry are complete, the newest message of a topic counts, for a
+    One message that should not be there is not told from the others by its sender, but by its time. Before the plant
+    has reached a stamp, which is when its state and telemetry are complete, the newest message of a topic counts, for a
     stranger's came before its time; afterwards the first. References are sent ahead, and their first counts.
 
     Args:
@@ -40,7 +40,8 @@ class TickParts:
         self.contested = self._again = False
         self._early: dict[int, Parts] = {}
         self._pending: dict[int, Parts] = {}
-        self._carried: set[tuple[Topic, int]] = set()
+        # What gives way to the next message of its topic and stamp.
+        self._provisional: set[tuple[Topic, int]] = set()
         self._restart()
 
     def _restart(self) -> None:
@@ -56,7 +57,7 @@ class TickParts:
         }
         for stamp, parts in self._early.items():
             kept.setdefault(stamp, {}).update(parts)
-        self._carried = {(topic, stamp) for stamp, parts in kept.items() for topic in parts}
+        self._provisional = {(topic, stamp) for stamp, parts in kept.items() for topic in parts}
         self._pending, self._early, self._again = kept, {}, True
         self._restart()
 
@@ -76,10 +77,13 @@ class TickParts:
         elif topic in parts and self._stays(topic, stamp):
             return None if parts[topic] == data else f"stamp {stamp} ns has another one"
         parts[topic] = data
-        # That which comes last is asked for first.
-        if stamp > self.reached and topic in SAMPLE and PLANT_TELEMETRY in parts and parts.keys() >= SAMPLE:
-            self._reach(stamp)
-            return ""
+        if stamp > self.reached and topic.kind != "reference":
+            if self._is_early(topic, stamp, parts):
+                self._provisional.add((topic, stamp))
+            # That which comes last is asked for first.
+            if PLANT_TELEMETRY in parts and topic in SAMPLE and parts.keys() >= SAMPLE:
+                self._reach(stamp)
+                return ""
         return "" if len(parts) >= len(self.expected) or self._held else None
 
     def hold(self, stamp: int) -> None:
@@ -107,9 +111,12 @@ class TickParts:
     def pop(self) -> tuple[int, Parts]:
         """Stamp [ns] and messages of the next tick, which is then the one after it."""
         stamp = self.next
+        parts = self._pending.pop(stamp, {})
         self.next += self._period
         self._held.discard(stamp)
-        return stamp, self._pending.pop(stamp, {})
+        if self._provisional:
+            self._provisional.difference_update((topic, stamp) for topic in parts)
+        return stamp, parts
 
     def rest(self) -> list[tuple[int, Parts]]:
         """What there is of ticks that the plant reached and that are not written, in order; the run is over."""
@@ -125,11 +132,18 @@ class TickParts:
             self._early.setdefault(stamp, {})[topic] = data
         return None
 
+    def _is_early(self, topic: Topic, stamp: int, parts: Parts) -> bool:
+        """Whether a message is there before that of the run should be; topics have no order, so it may be that one."""
+        if topic is PLANT_TELEMETRY and BASE_ODOM not in parts:
+            return True
+        return topic not in SAMPLE or stamp > self.reached + self._period
+
     def _stays(self, topic: Topic, stamp: int) -> bool:
         """Whether the first of two messages counts; of commands the simulator knows which one does."""
-        if topic.kind == "reference":
-            return (topic, stamp) not in self._carried
-        return stamp <= self.reached and topic not in COMMANDS
+        if (topic, stamp) in self._provisional:
+            self._provisional.discard((topic, stamp))
+            return False
+        return topic not in COMMANDS and (stamp <= self.reached or topic.kind == "reference")
 
     def _reach(self, stamp: int) -> None:
         """The plant is at this state; one that does not follow the newest is believed when the next one follows it."""

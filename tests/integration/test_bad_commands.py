@@ -12,6 +12,7 @@ from space_robot_msgs_py.codec.codecs import CommandCodec, encode_string
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, JOINT_COMMAND, WRENCH_COMMAND
+from space_robot_sim.nodes import command_port
 from tests.support.harness import Flight, flight
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -43,9 +44,10 @@ def poisoned(parts: tuple[bytes, ...]) -> tuple[bytes, ...]:
     ],
 )
 def test_an_unusable_answer_is_refused_and_held(
-    tmp_path: Path, fault: str, names: tuple[str, ...] | None, poison: bool
+    tmp_path: Path, fault: str, names: tuple[str, ...] | None, poison: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Wrong names, wrong size or NaN at the awaited stamp: counted once, the plant holds the last valid command."""
+    monkeypatch.setattr(command_port, "SECOND_CHANCE", 0.01)
     with flight(tmp_path / "run", roles=WITHOUT_CONTROLLER) as robot:
         say(robot, command(robot, 0, effort=0.05))
         robot.spin_until(lambda: robot.simulator.tick == 1, "the first step")
