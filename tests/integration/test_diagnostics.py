@@ -48,14 +48,15 @@ def test_both_nodes_say_how_they_are(tmp_path: Path) -> None:
 
 
 def test_a_second_publisher_of_commands_is_pointed_out(tmp_path: Path) -> None:
-    """As long as there are two, the status of the commands is a warning that says of what."""
+    """As long as there are two, the status of the commands is a warning that says of what, and names both nodes."""
     with flight(tmp_path / "run", "duration=4000.0", realtime=1.0) as robot:
         newest = heard(robot)
         robot.stranger.publisher(JOINT_COMMAND)
 
         def warned() -> bool:
             status = newest.get("simulator: commands")
-            return status is not None and "2 publishers of joint_command" in status.message
+            said = "2 publishers of joint_command (/controller, /stranger)"
+            return status is not None and said in status.message
 
         robot.spin_until(warned, "the warning")
     assert newest["simulator: commands"].level == DiagnosticStatus.WARN
