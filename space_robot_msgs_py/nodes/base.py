@@ -184,12 +184,12 @@ class GraphNode(Node):  # type: ignore[misc]
     def publishers_by_mark(self, topic: Topic) -> dict[bytes, str]:
         """Full names of the nodes that publish a topic, by the mark of their publisher; a query of the graph."""
         found = self.get_publishers_info_by_topic(topic.name)
-        return {mark_of(bytes(one.endpoint_gid)): _full_name(one) for one in found}
+        return {mark_of(bytes(one.endpoint_gid)): full_name(one) for one in found}
 
     def publishing_nodes(self, topic: Topic) -> tuple[str, ...]:
         """Full names of the nodes that publish a topic, each once; a query of the graph, not for every tick."""
         found = self.get_publishers_info_by_topic(topic.name)
-        return tuple(sorted({_full_name(one) for one in found}))
+        return tuple(sorted({full_name(one) for one in found}))
 
     def hear_begin(self, begin: RunBegin) -> None:
         """Take part in a run, or in another one where its simulator is the only one; a higher number is a reset."""
@@ -227,7 +227,8 @@ class GraphNode(Node):  # type: ignore[misc]
         self.over.set_result(None)
 
 
-def _full_name(endpoint: TopicEndpointInfo) -> str:
+def full_name(endpoint: TopicEndpointInfo) -> str:
+    """Name and namespace of the node that an endpoint belongs to."""
     return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 
-from space_robot_msgs_py.nodes.base import GraphNode
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from space_robot_msgs_py.nodes.base import GraphNode, full_name
 from space_robot_msgs_py.topics import Topic
 
 # The first bytes of a publisher's id are those of its process.
 PROCESS_BYTES = 12
+# A publisher is discovered before the name of its node, which one that is no ROS node does not have.
+UNNAMED = "_NODE_NAME_UNKNOWN_"
+MAX_UNNAMED = 5
 
 
 class Publishers:
@@ -20,7 +26,10 @@ class Publishers:
     """
 
     def __init__(self, node: GraphNode, topics: Iterable[Topic]) -> None:
-        self._node, self._known = node, {topic: frozenset[tuple[str, bytes]]() for topic in topics}
+        self._node = node
+        # How many publishers each process has; their names come later and change nothing.
+        self._known = {topic: Counter[bytes]() for topic in topics}
+        self._unnamed: Counter[Topic] = Counter()
 
     def changes(self) -> list[tuple[Topic, list[str]]]:
         """Topics whose publishers changed since the last call, with the nodes that publish them now.
@@ -30,17 +39,21 @@ class Publishers:
         """
         found = []
         for topic, before in self._known.items():
-            now = self._publishers(topic)
+            endpoints = self._node.get_publishers_info_by_topic(topic.name)
+            now = Counter(bytes(one.endpoint_gid[:PROCESS_BYTES]) for one in endpoints)
+            # One that is gone may be replaced later: it is remembered until then.
             if not now or now == before:
                 continue
+            news = now.total() > 1 or (before and not now <= before)
+            if news and self._waits_for_names(topic, endpoints):
+                continue
             self._known[topic] = now
-            # One that is gone may be replaced later: it is remembered until then.
-            if (before and not now <= before) or len(now) > 1:
-                found.append((topic, sorted(name for name, _ in now)))
+            if news:
+                found.append((topic, sorted(full_name(one) for one in endpoints)))
         return found
 
-    def _publishers(self, topic: Topic) -> frozenset[tuple[str, bytes]]:
-        return frozenset(
-            (f"{one.node_namespace.rstrip('/')}/{one.node_name}", bytes(one.endpoint_gid[:PROCESS_BYTES]))
-            for one in self._node.get_publishers_info_by_topic(topic.name)
-        )
+    def _waits_for_names(self, topic: Topic, endpoints: Iterable[TopicEndpointInfo]) -> bool:
+        if all(one.node_name != UNNAMED for one in endpoints):
+            return False
+        self._unnamed[topic] += 1
+        return self._unnamed[topic] < MAX_UNNAMED
