@@ -31,11 +31,11 @@ def replay(
         list[str] | None, typer.Option(metavar="TOPIC[/BLOCK]", help="not compared; may be given often")
     ] = None,
     experiment: Annotated[
-        str | None, typer.Option(help="for bags of another tool: shipped name or YAML file of what was flown")
+        str | None, typer.Option(help="for bags of another tool: shipped name or YAML file of what was run")
     ] = None,
     namespace: Annotated[str, typer.Option(help="in front of the topics of a bag of another tool")] = "",
     update_refs: Annotated[
-        bool, typer.Option("--update-refs", help="say what is different, then fly again and replace the bag")
+        bool, typer.Option("--update-refs", help="say what is different, then run again and replace the bag")
     ] = False,
     publish: Annotated[
         bool, typer.Option("--publish", help="put the bag on the live graph in place of the simulator instead")
@@ -80,7 +80,7 @@ def replay(
         if not as_json:
             show.print_replayed(out, one)
         if update_refs:
-            said = "replaced by a new flight" if refly(one.recording) else "up to date"
+            said = "replaced by a new run" if refly(one.recording) else "up to date"
             err.print(f"{bag}: {said}", markup=False, soft_wrap=True)
     if as_json:
         found = [show.as_dict(one) for one in done]
@@ -129,11 +129,11 @@ def info(
 
 @app.command()
 def recover(
-    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file that was cut or damaged")],
+    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file that was truncated or corrupted")],
     directory: Annotated[Path | None, typer.Option("--out", "-o", help="default BAG_recovered")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Make a clean, indexed bag of a cut or damaged one and say what was lost."""
+    """Make a clean, indexed bag of a truncated or corrupted one and say what was lost."""
     from space_robot_cli.render import log as show
     from space_robot_msgs_py.log.recover import recover
 

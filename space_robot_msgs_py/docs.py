@@ -23,7 +23,7 @@ _KINDS: dict[Kind, str] = {
     "reference": "Reference: its parts share a stamp, that of the tick it is for; published ahead",
     "command": "Command: its parts carry the stamp of the state they answer",
     "controller_telemetry": "what the law wants to be seen, under the stamp of its command",
-    "controller_event": "what changed in flight how the law answers, from that stamp on",
+    "controller_event": "what changed during the run how the law answers, from that stamp on",
     "plant_telemetry": "truth and conservation, under the stamp of the state",
     "description": "text, once per run",
     "event": "text, once per run",

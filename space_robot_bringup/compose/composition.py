@@ -34,7 +34,7 @@ from space_robot_sim.initial import InitialState
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
-# References that a law reviews before a flight.
+# References that a law reviews before a run.
 PATH_POINTS = 200
 
 
@@ -45,8 +45,8 @@ class Composition:
     Attributes:
         experiment: what it was made from.
         nominal: the robot the flight software believes in.
-        truth: the robot that flies, as it starts.
-        changes: (stamp [ns], robot that flies from then on), in order.
+        truth: the true robot, as it starts.
+        changes: (stamp [ns], true robot from then on), in order.
         policy: whose code may be its laws.
     """
 
@@ -102,7 +102,7 @@ class Composition:
         return self._reference
 
     def review(self) -> Review:
-        """What the law says about this flight before it: see ``Law.review``."""
+        """What the law says about this run before it: see ``Law.review``."""
         source, experiment = self.reference(), self.experiment
         still = np.zeros(self._v0.size)
         stride = max(1, experiment.steps // PATH_POINTS)
@@ -151,9 +151,9 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
     changes = kind.changes(spec, truth, experiment.control_period)
     reference = make_reference(experiment.reference, nominal, q0)
     composition = Composition(experiment, nominal, truth, changes, policy, reference, seeds, q0, v0)
-    flying = nominal.base_mode == "free_flying"
-    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
-    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
+    free_flying = nominal.base_mode == "free_flying"
+    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=free_flying))
+    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=free_flying))
     _check_recorded(experiment)
     return composition
 
@@ -170,7 +170,7 @@ def versions() -> dict[str, str]:
 
 
 def _check_recorded(experiment: Experiment) -> None:
-    """A recorded reference has a row for every tick up to its last; a gap would end the flight."""
+    """A recorded reference has a row for every tick up to its last; a gap would end the run."""
     spec = experiment.reference
     if spec.kind != "recorded":
         return

@@ -31,13 +31,13 @@ class JudgedLog:
         path: the .mcap file.
         header: provenance.
         mode: headless, graph or processes; empty where nothing says it.
-        end_reason: None if the log was cut.
+        end_reason: None if the log was truncated.
         arrays: its complete ticks, stacked.
         experiment: None where the one in the log cannot be read here.
         composition: None where the experiment cannot be composed here.
         metrics: None without a composition.
         checks: the verdict, bound by bound; empty without a composition.
-        events: what was changed in flight, in order.
+        events: what was changed during the run, in order.
         troubles: what is wrong with the log, a line each; empty for a whole one.
     """
 
@@ -55,7 +55,7 @@ class JudgedLog:
 
 
 def read_judged(path: StrPath) -> JudgedLog:
-    """Read a log, whole or damaged.
+    """Read a log, whole or corrupted.
 
     Args:
         path: run directory or .mcap file.
@@ -73,7 +73,7 @@ def read_judged(path: StrPath) -> JudgedLog:
     arrays = stack_ticks(rows, reader.header.joint_names, str(path))
     end_reason = _end_reason(reader, troubles)
     if end_reason is None:
-        troubles.append(f"the log was cut: what is here ends at {arrays.time[-1]:g} s, and why is not known")
+        troubles.append(f"the log was truncated: what is here ends at {arrays.time[-1]:g} s, and why is not known")
     experiment, composition = _experiment(reader.header, troubles)
     metrics, checks = _judge(ticks, composition, end_reason, troubles)
     return JudgedLog(

@@ -118,7 +118,7 @@ def bag_info(path: Path) -> BagInfo:
     topics = tuple(_topic(name, types[name], stamps) for name, stamps in times.items())
     files = [path] if is_file(path) else [file for file in path.iterdir() if is_file(file)]
     size = sum(file.stat().st_size for file in files)
-    provenance, versions, reason, verdict = _ours(bag)
+    provenance, versions, reason, verdict = _own(bag)
     return BagInfo(path, size, topics, provenance, versions, reason, tuple(damage), verdict)
 
 
@@ -133,7 +133,7 @@ def _topic(name: str, ros_type: str, times: Sequence[int]) -> TopicInfo:
     return TopicInfo(name, ros_type, len(times), first, last, rate, int(gaps.size), longest)
 
 
-def _ours(bag: Bag) -> tuple[dict[str, str], dict[str, str], str | None, Verdict]:
+def _own(bag: Bag) -> tuple[dict[str, str], dict[str, str], str | None, Verdict]:
     """What only a log of this project says about itself."""
     try:
         reader = LogReader(bag.path)

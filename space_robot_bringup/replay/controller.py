@@ -101,12 +101,12 @@ class _Replay:
         return ""
 
     def _happen(self, parts: Mapping[str, bytes]) -> None:
-        """Do to the fresh law what was done to the recorded one in flight; it tells of it by itself."""
+        """Apply the recorded events to the fresh law; it reports them itself."""
         for event in self._events(parts):
             try:
                 happen(self._law, event)
             except SpaceRobotError as error:
-                self._notes[f"recorded changes in flight do not fit ({error})"] += 1
+                self._notes[f"recorded changes during the run do not fit ({error})"] += 1
 
     def _events(self, parts: Mapping[str, bytes]) -> tuple[ControllerEvent, ...]:
         raw = parts.get(CONTROLLER_EVENTS.name)

@@ -1,4 +1,4 @@
-"""What was done to a controller in flight, done again to a fresh one."""
+"""Applies recorded parameter changes and switches to a fresh controller."""
 
 from __future__ import annotations
 

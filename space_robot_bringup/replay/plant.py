@@ -22,7 +22,7 @@ ACTED = "command_stamp"
 
 
 def replay_plant(recording: Recording, tolerance: Tolerance) -> Outcome:
-    """Fly a fresh plant from its initial state by the recorded commands and compare what it shows.
+    """Run a fresh plant from its initial state by the recorded commands and compare what it shows.
 
     A command acts when the log says it did (``command_stamp`` of the plant's telemetry), which matters in paced runs;
     in a bag without that, when its stamp says.
@@ -54,12 +54,12 @@ class _Replay:
             needed = ", ".join(topic.name for topic in (*topics_of("state"), *topics_of("command")))
             accepted = f"{needed} from stamp 0 on"
             raise LogError("nothing to compare with a plant", key=str(self._recording.path), accepted=accepted)
-        stop = self._fly(rows)
+        stop = self._step_through(rows)
         remarks = [f"{count} {what}" for what, count in self._notes.items()] + ([stop] if stop else [])
         absent = absent_topics(self._comparison, _SHOWN, self._tolerance.ignore)
         return Outcome("plant", self._comparison, self._ticks, self._last, absent, tuple(remarks))
 
-    def _fly(self, rows: list[Row]) -> str:
+    def _step_through(self, rows: list[Row]) -> str:
         """Compare row by row; returns why not to the end, or nothing."""
         self._show(rows[0], self._plant.reset())
         for (stamp, _), following in pairwise(rows):
@@ -108,7 +108,7 @@ class _Replay:
         """What the plant was given in the period that begins at a stamp; None: its hold."""
         acted = self._acted.get(stamp + (1 + self._delay) * self._period, stamp)
         if acted != stamp:
-            self._notes["periods were flown with an older command, or none"] += 1
+            self._notes["periods were run with an older command, or none"] += 1
         found = self._commands.get(acted)
         if found is None and acted >= 0 and acted != stamp:
             self._notes["commands that acted are not in the log"] += 1

@@ -62,13 +62,13 @@ class Replayed:
         return all(outcome.equal for outcome in self.outcomes)
 
 
-def replay(bag: Path, order: Order, say: Callable[[str], None] = lambda line: None) -> Replayed:
+def replay(bag: Path, order: Order, on_notice: Callable[[str], None] = lambda line: None) -> Replayed:
     """Compute one recorded run again.
 
     Args:
         bag: of any tool.
         order: what to do with it.
-        say: told what has to be compiled first, which takes a while.
+        on_notice: called with what has to be compiled first, which takes a while.
 
     Raises:
         SpaceRobotError: the bag or the order cannot be used.
@@ -80,5 +80,5 @@ def replay(bag: Path, order: Order, say: Callable[[str], None] = lambda line: No
     # Of a plant alone no law is made.
     laws = composition.experiment.controller if order.against != "plant" else None
     if line := notice(laws.law_names if laws else (), plant=plant, policy=composition.policy):
-        say(line)
+        on_notice(line)
     return Replayed(recording, tuple(side(recording, order.tolerance) for side in SIDES[order.against]))

@@ -26,7 +26,7 @@ def print_info(console: Console, info: BagInfo) -> None:
     console.print(_topics(info))
     _damage(console, info.damage)
     if info.provenance:
-        _say(console, f"ended: {info.end_reason or 'the log was cut before its end'}")
+        _say(console, f"ended: {info.end_reason or 'the log was truncated'}")
     for check in info.verdict.checks:
         if not check.passed:
             measured = "none" if check.measured is None else f"{check.measured:g}"

@@ -21,7 +21,7 @@ TORQUE, WAY = (213, 94, 0), (204, 121, 167)
 # Of the way of the tool; more would only burden the browser.
 MOST_STEPS = 3000
 # Arrows shorter than this share of the longest are left out.
-LEAST = 0.02
+MIN_LENGTH = 0.02
 
 
 class Stage:
@@ -112,7 +112,7 @@ class Stage:
         for joint, (axis, effort) in enumerate(zip(self._axes, moment.efforts, strict=True), start=2):
             place = placements[joint]
             arrows.append((place.translation, 0.6 * self.size * effort * place.rotation @ axis))
-        long = [(at, at + push) for at, push in arrows if np.linalg.norm(push) > LEAST * self.size]
+        long = [(at, at + push) for at, push in arrows if np.linalg.norm(push) > MIN_LENGTH * self.size]
         # viser wants at least one.
         return np.array(long or [(base.translation, base.translation)])
 

@@ -138,8 +138,8 @@ def _check_directory(directory: Path) -> None:
         if (directory / CAMPAIGN).exists():
             accepted = "a directory, new, empty or of an earlier reproduction"
             raise SpecError("holds a campaign", key="--out", value=str(directory), accepted=accepted)
-        ours = any((directory / name).exists() for name in (RUNS, CLAIMS))
-        free = not directory.exists() or (directory.is_dir() and (ours or not any(directory.iterdir())))
+        resumable = any((directory / name).exists() for name in (RUNS, CLAIMS))
+        free = not directory.exists() or (directory.is_dir() and (resumable or not any(directory.iterdir())))
     except SpecError:
         raise
     except (OSError, ValueError) as error:

@@ -66,7 +66,7 @@ class Bags:
 
 
 def make_bags(folder: Path) -> Bags:
-    """Fly half a second."""
+    """Run half a second."""
     directory = folder / "run"
     run_experiment(load_experiment("liu2023/fig08", ["duration=1.0", "expect={}"]), directory, mode="headless")
     path = LogReader(directory).path
@@ -138,7 +138,7 @@ def mcap_case(random: Random, folder: Path, bags: Bags) -> None:
 
 
 def cli_case(random: Random, folder: Path, bags: Bags) -> None:
-    """A command line that nobody meant, over files that are there and others that are not.
+    """A random command line, over files that are there and others that are not.
 
     Raises:
         TracebackShown: it did not end with one line and 0, 1 or 2.
@@ -304,7 +304,7 @@ def _bad_log(random: Random, bags: Bags) -> bytes:
 
 
 def _forged(random: Random, bags: Bags) -> bytes:
-    """A log whose records are whole, and say what nobody should."""
+    """A log whose records are whole, with values that no writer makes."""
     stream = BytesIO(bags.running)
     stream.seek(len(MAGIC))
     records = [(opcode, content) for opcode, content in scan(stream, len(bags.running))]

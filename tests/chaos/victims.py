@@ -34,7 +34,7 @@ OVERRIDES = ("duration=25000.0",)
 BEGUN_TICKS = 20
 DEADLINE = 60.0
 
-# Flies in the place of the tool, whose own judgement of a long log is not what is measured here.
+# Runs in place of the tool, whose own judgement of a long log is not what is measured here.
 PILOT = """
 import sys
 from pathlib import Path
@@ -57,7 +57,7 @@ class Remains:
     Attributes:
         victim: role, or ``parent``.
         seconds: from the kill until the last process of the run was gone.
-        decided: from the kill until the parent told the others to end, by its own clock; None: it was the victim.
+        decided: from the kill until the parent ordered the others to end, by its own clock; None: it was the victim.
         orphans: processes of the run that were still there after ``DEADLINE``.
         reason: of the end, in the log.
         said: of the end, by the parent.
@@ -102,18 +102,18 @@ class Kill:
 
 
 def kill_one(kill: Kill) -> Remains:
-    """Fly, kill, and look at what is left."""
+    """Run, kill, and look at what is left."""
     place = kill.place
     temporary = place.with_name("temporary")
     temporary.mkdir()
     with _temporary_folder(temporary), _observer() as newest:
         seconds, decided, orphans, said = (_kill_parent if kill.victim == PARENT else _kill_child)(kill)
-        flown = newest()
+        reached = newest()
     reader = LogReader(place)
     period = load_experiment("liu2023/fig08").period
     logged = max((stamp for stamp, parts in reader.stamps() if BASE_ODOM.name in parts), default=-period)
     litter = (*(path.name for path in temporary.iterdir()), *(path.name for path in place.rglob("*.tmp")))
-    lost = max(0, (flown - logged) // period)
+    lost = max(0, (reached - logged) // period)
     return Remains(kill.victim, seconds, decided, orphans, reader.end_reason, said, lost, litter)
 
 
@@ -137,7 +137,7 @@ def _kill_child(kill: Kill) -> tuple[float, float | None, int, str | None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(processes, "_Crew", TimedCrew)
-        said = processes.fly_processes(composition, kill.place, realtime=kill.realtime, hooks=Hooks(on_tick))
+        said = processes.run_processes(composition, kill.place, realtime=kill.realtime, hooks=Hooks(on_tick))
     ended = monotonic()
     return ended - killed[0], decided[0] - killed[0], len(_await_gone(crew.values())), said
 

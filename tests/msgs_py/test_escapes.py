@@ -1,4 +1,4 @@
-"""Text of somebody else's stays text, whatever shows it."""
+"""Text of third parties stays text, whatever shows it."""
 
 from __future__ import annotations
 

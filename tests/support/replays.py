@@ -1,4 +1,4 @@
-"""Short flights and what a replay of them must say."""
+"""Short runs and what a replay of them must say."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_bringup.replay.replay import Order, Replayed, replay
 
 
-def fly(place: Path, experiment: str, *overrides: str, mode: Mode = "headless") -> Path:
-    """Fly a shipped experiment into a run directory."""
+def record_run(place: Path, experiment: str, *overrides: str, mode: Mode = "headless") -> Path:
+    """Run a shipped experiment into a run directory."""
     run_experiment(load_experiment(experiment, overrides), place, mode=mode)
     return place
 

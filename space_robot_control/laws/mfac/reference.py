@@ -1,9 +1,9 @@
 """Model-free adaptive control on one screen: (15)-(19) of Song, Zheng, Guo, Yuan, Aerospace 10(1):90, 2023, corrected.
 
 y has the channels of ``pd/reference.py``; y* - y is their error e, and the output is e or, with a lead c, z = e + c e'.
-Ours and nevertheless here: the law takes increments of the error, the estimator those of the robot's own motion, and
-both in units of their own. Errata: docs/papers/song2023.md. Not here, because ours: limits and anti-windup, ``filter``,
-``adjust``, ``initial`` by push or pulses.
+Not in the paper and nevertheless here: the law takes increments of the error, the estimator those of the robot's own
+motion, and both in units of their own. Errata: docs/papers/song2023.md. Not in the paper and so not here: limits and
+anti-windup, ``filter``, ``adjust``, ``initial`` by push or pulses.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ def test_a_message_that_does_not_fit_is_a_difference():
     assert WRENCH_COMMAND.name not in str(found.recorded)
 
 
-def test_changes_are_told_by_their_keys():
+def test_changes_are_named_by_their_keys():
     """Dotted key to recorded and new value, lists as values, nothing else."""
     data = {"robot": "mini", "control_period": 0.1, "duration": 1.0, "reference": {"kind": "hold"}}
     overrides = ["seed=3", "initial.position=[1, 0, 0]"]

@@ -1,4 +1,4 @@
-"""Golden logs: each controller on two robots, flown once and for all, replayed here against what is in the tree now."""
+"""Golden logs: each controller on two robots, run once and for all, replayed here against what is in the tree now."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ GOLDEN = sorted(path.name for path in FOLDER.iterdir() if path.is_dir())
 # Another processor sums in another order: see docs/replay.md.
 NEARLY = Tolerance(rtol=5e-9, atol=1e-12)
 BREAK = 1.0 + 1e-6
-# Gains that do nothing in these flights, and why.
+# Gains that do nothing in these runs, and why.
 IDLE = {
     "rls.reset.threshold": "no estimate is reset",
     "tracking.gain": "the weight does not follow a moving parameter",
     "tracking.floor": "likewise",
-    "pitch_limit_deg": "nobody gets near it",
-    "smallest_cosine": "nobody gets near it",
+    "pitch_limit_deg": "no run gets near it",
+    "smallest_cosine": "no run gets near it",
     "estimator.floor": "no pseudo-gradient falls that low",
     "initial.seconds": "Phi(1) comes from the model",
     "initial.trust": "likewise",

@@ -1,4 +1,4 @@
-"""Conditions of claims: only numbers and comparisons, checked before a flight, never more of Python."""
+"""Conditions of claims: only numbers and comparisons, checked before a run, never more of Python."""
 
 from __future__ import annotations
 

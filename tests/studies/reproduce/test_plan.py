@@ -38,7 +38,7 @@ def test_varied_values_and_seeds_are_combined(tmp_path: Path) -> None:
     assert len(made.distinct_runs(["a"])) == 4
 
 
-def test_one_varying_key_is_told_by_its_value_alone(tmp_path: Path) -> None:
+def test_one_varying_key_is_labelled_by_its_value_alone(tmp_path: Path) -> None:
     """Labels are short: the group and the value, and the group alone for a single run."""
     groups = (
         "prior: {experiment: liu2023/fig08, set: {nominal.dispersion.eta: 0.2}, seeds: {first: 1, count: 3}}",

@@ -112,7 +112,7 @@ def test_the_adapted_gain_is_never_negative_and_never_falls_without_a_leak(
     assert leaking.estimate[0] == 1e-4
 
 
-def test_the_adapted_gain_stands_still_while_saturated_if_told_so() -> None:
+def test_the_adapted_gain_is_frozen_while_saturated_with_the_option() -> None:
     """freeze_on_saturation is the only thing that lets saturation matter to K_hat."""
     for freeze in (False, True):
         mode = sliding(0.1, adaptation={"freeze_on_saturation": freeze})
