@@ -63,7 +63,7 @@ def _column(rows: Rows, name: str) -> tuple[Any, list[int]]:
 
 
 def _thinned(values: Any, indices: list[int]) -> tuple[Any, list[int]]:
-    """At most MOST_POINTS of the numbers, evenly by size, with their cases."""
+    """At most MAX_POINTS of the numbers, evenly by size, with their cases."""
     if values.size <= MAX_POINTS:
         return values, indices
     order = np.argsort(values, kind="stable")

@@ -19,7 +19,7 @@ from space_robot_report.viewer.visualizer import GhostVisualizer, RobotVisualize
 DESIRED = (0.0, 0.45, 0.7, 0.22)
 TORQUE, WAY = (213, 94, 0), (204, 121, 167)
 # Of the way of the tool; more would only burden the browser.
-MOST_STEPS = 3000
+MAX_STEPS = 3000
 # Arrows shorter than this share of the longest are left out.
 MIN_LENGTH = 0.02
 
@@ -57,7 +57,7 @@ class Stage:
         axes = {"axes_length": 0.75 * self.size, "axes_radius": 0.02 * self.size}
         self._base = scene.add_frame("world/base axes", **axes)
         self._torques = scene.add_arrows("world/torques", np.zeros((1, 2, 3)), TORQUE, **self._arrow)
-        way = way_of(look.model, motion.film.q[:: 1 + len(motion.film.q) // MOST_STEPS], tool)
+        way = way_of(look.model, motion.film.q[:: 1 + len(motion.film.q) // MAX_STEPS], tool)
         pieces = np.stack([way[:-1], way[1:]], axis=1) if len(way) > 1 else np.stack([way, way], axis=1)
         self._way = scene.add_line_segments("world/way", pieces, WAY, thickness=0.012 * self.size)
         self._add_grid()

@@ -41,12 +41,12 @@ from pathlib import Path
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.hooks import Hooks
-from space_robot_bringup.modes.processes import fly_processes
+from space_robot_bringup.modes.processes import run_processes
 place, realtime, late, *overrides = sys.argv[1:]
 late = {role: 1e6 for role in late.split(",") if role}
 composition = compose(load_experiment("liu2023/fig08", overrides))
 hooks = Hooks(on_tick=lambda tick: print(tick, flush=True))
-fly_processes(composition, Path(place), realtime=float(realtime) or None, hooks=hooks, late=late)
+run_processes(composition, Path(place), realtime=float(realtime) or None, hooks=hooks, late=late)
 """
 
 

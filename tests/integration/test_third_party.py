@@ -33,7 +33,7 @@ class Stranger(Node):  # type: ignore[misc]
     joint_inertia = np.array([0.2, 0.2, 0.1, 0.02])
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("somebody_elses_controller", **options)
+        super().__init__("third_party_controller", **options)
         self.parts: dict[int, dict[str, Any]] = {}
         self.wrench = self.create_publisher(WrenchStamped, "base/wrench_command", QOS)
         self.effort = self.create_publisher(JointState, "joint_command", QOS)
