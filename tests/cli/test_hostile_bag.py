@@ -155,7 +155,7 @@ def test_a_replay_against_the_plant_needs_no_law(trap: Trap, space_robot: Tool) 
     [("--law", "evil.py:Evil"), ("--allow-code",), ("--set", "controller.law=evil.py:Evil")],
     ids=["law", "allow-code", "set"],
 )
-def test_what_the_user_types_is_run(typed: tuple[str, ...], trap: Trap, space_robot: Tool) -> None:
+def test_a_law_named_by_the_user_is_imported(typed: tuple[str, ...], trap: Trap, space_robot: Tool) -> None:
     """A law that the user typed, or all code the user vouches for, is imported and compared."""
     with_experiment(trap.bag, trap.folder / "bag" / "run", law("evil.py:Evil"))
     done = space_robot("replay", "bag/run", "--against", "controller", *typed)

@@ -31,7 +31,7 @@ def test_nothing_outlives_a_parent_that_is_killed(tmp_path: Path) -> None:
     assert faults(kill_one(Kill(PARENT, tmp_path / "run", alone=True)), None, NO_HURRY) == []
 
 
-def test_no_state_is_out_before_the_tick_before_it_is_on_the_disk(tmp_path: Path) -> None:
+def test_a_state_is_published_only_when_the_tick_before_is_logged(tmp_path: Path) -> None:
     """In processes of their own, state k comes when tick k - 1 is in the log: that is what a dead recorder can lose."""
     with running_graph(tmp_path / "run", "duration=10.0", services=True) as robot:
         seen: list[tuple[int, int]] = []

@@ -32,7 +32,7 @@ def numbers(status: Any) -> dict[str, str]:
     return {value.key: value.value for value in status.values}
 
 
-def test_both_nodes_say_how_they_are(tmp_path: Path) -> None:
+def test_both_nodes_publish_diagnostics(tmp_path: Path) -> None:
     """Rate, counts, saturation, residuals, computation time and the condition of the estimator are there."""
     with running_graph(tmp_path / "run", "controller={law: adaptive}", "duration=400.0", realtime=5.0) as robot:
         newest = heard(robot)

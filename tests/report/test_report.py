@@ -78,7 +78,7 @@ def test_a_page_needs_nothing_else(page: str) -> None:
     assert not re.search(r"<script[^>]+src=", page)
 
 
-def test_a_page_says_what_the_run_did(page: str) -> None:
+def test_a_page_has_verdict_bounds_axes_claims_and_provenance(page: str) -> None:
     """Verdict, bounds, axes, the paper's words with their verdict, and provenance are on the page."""
     text = own_markup(page)
     for words in ("PASS", "base/roll.settling_time", "6 +- 1", "momentum_residual", "joint4 [deg]"):
@@ -281,7 +281,7 @@ def test_the_command_writes_a_page_and_refuses_in_one_line(space_robot: Tool, ba
 
 
 @pytest.mark.parametrize(("missing", "command", "extra"), [("viser", "view", "view"), ("plotly", "report", "viz")])
-def test_what_is_not_installed_is_named(bag: Path, missing: str, command: str, extra: str) -> None:
+def test_a_missing_optional_package_is_named(bag: Path, missing: str, command: str, extra: str) -> None:
     """Without viser or plotly the command exits 2 with one line that says what to install."""
     hide = f"import sys; sys.modules[{missing!r}] = None; sys.argv[1:] = [{command!r}, {str(bag)!r}]"
     code = f"{hide}; from space_robot_cli.main import main; main()"

@@ -128,7 +128,7 @@ def test_the_version_is_that_of_the_installation() -> None:
     assert f'version = "{space_robot.__version__}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 
-def test_what_is_looked_up_by_entry_point_is_there() -> None:
+def test_the_plot_entry_point_exists() -> None:
     """The figure of a run is found where the installation says it is."""
     pytest.importorskip("matplotlib")
     (figure,) = entry_points(group="space_robot.figures", name="run")

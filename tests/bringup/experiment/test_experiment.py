@@ -129,7 +129,7 @@ def test_a_robot_beside_the_experiment_is_found(tmp_path: Path) -> None:
 
 
 @given(st.integers(1, 10_000), st.sampled_from([0.1, 0.02, 0.25, 0.05, 0.5, 1.0, 0.3]))
-def test_every_decimal_multiple_of_the_period_is_one(steps: int, period: float) -> None:
+def test_every_decimal_multiple_of_the_period_is_accepted(steps: int, period: float) -> None:
     """Durations people write (0.3 s of 0.1 s) divide exactly: decimals are counted as decimals."""
     from decimal import Decimal
 

@@ -37,7 +37,7 @@ def run_mode(place: Path, mode: Mode, *overrides: str, hooks: Hooks | None = Non
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_whatever_a_law_raises_is_one_line(tmp_path: Path, mode: Mode) -> None:
+def test_any_exception_of_a_law_ends_the_run_with_one_line(tmp_path: Path, mode: Mode) -> None:
     """The reason names the law, the tick and the cause, ``SystemExit`` too, and is the log's; the log has the state."""
     failures: list[BaseException] = []
     hooks = Hooks(on_failure=failures.append)

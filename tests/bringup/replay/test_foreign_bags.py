@@ -126,7 +126,7 @@ def test_another_gain_shows_in_a_foreign_bag_too(run_log: Path, tmp_path: Path) 
     assert [outcome.equal for outcome in done.outcomes] == [False, True]
 
 
-def test_what_is_missing_comes_from_the_experiment_or_is_named(run_log: Path, tmp_path: Path) -> None:
+def test_topics_missing_in_a_bag_come_from_the_experiment_or_are_named(run_log: Path, tmp_path: Path) -> None:
     """References are functions of time; telemetry is not compared and named; states there must be."""
     references = tuple(topic.name for topic in TABLE if topic.kind == "reference")
     bag = write("zstd", run_log, tmp_path / "bag", (*references, "controller/telemetry", "plant/telemetry"))
@@ -186,7 +186,7 @@ def test_foreign_bags_are_recovered(run_log: Path, tmp_path: Path, form: str) ->
     assert cut.damage
 
 
-def test_what_is_no_mcap_is_not_recovered(space_robot: Tool, run_log: Path, tmp_path: Path) -> None:
+def test_recover_refuses_a_bag_that_is_not_mcap(space_robot: Tool, run_log: Path, tmp_path: Path) -> None:
     """SQLite has tools of its own for that: one line, and no directory."""
     write("sqlite", run_log, tmp_path / "bag")
     refused(space_robot("recover", "bag"), "plain MCAP")

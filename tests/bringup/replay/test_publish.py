@@ -194,7 +194,7 @@ def test_without_an_answer_the_state_stays(bag: Path) -> None:
 
 
 @pytest.mark.parametrize("rate", [None, 100.0])
-def test_paused_it_takes_single_steps(bag: Path, rate: float | None) -> None:
+def test_a_paused_replayer_takes_single_steps(bag: Path, rate: float | None) -> None:
     """~/step gives one tick, ~/pause false the rest, ~/reset the first one again, in lock-step and timed."""
     with stage(bag, paused=True, rate=rate) as on:
         on.until(lambda: on.other.stamps == [0], "the first state")
@@ -218,7 +218,7 @@ def test_a_timed_replay_waits_for_no_answer(bag: Path) -> None:
         assert on.other.stamps == [tick * PERIOD for tick in range(TICKS)]
 
 
-def test_looped_it_begins_again(bag: Path) -> None:
+def test_a_looped_replayer_begins_again(bag: Path) -> None:
     """After the last tick comes the first, and the end of the run is not announced."""
     with stage(bag, loop=True) as on:
         on.until(lambda: len(on.other.stamps) > 2 * TICKS, "a third round")

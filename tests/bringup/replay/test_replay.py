@@ -103,7 +103,7 @@ def test_tolerances_forgive_what_is_small(bag: Path) -> None:
         assert outcome.equal is equal
 
 
-def test_what_is_ignored_is_not_compared(bag: Path) -> None:
+def test_an_ignored_topic_or_block_is_not_compared(bag: Path) -> None:
     """A topic, or one block of it, can be left out by name."""
     order = {"against": "controller", "overrides": ["controller.gains.kappa=1.000001"]}
     ignore = ("base/wrench_command", "joint_command")
@@ -137,7 +137,7 @@ def test_a_truncated_log_is_compared_to_its_end(bag: Path, tmp_path: Path) -> No
     assert [outcome.ticks for outcome in done.outcomes] == [9, 9]
 
 
-def test_a_gap_ends_the_comparison_and_is_said(bag: Path, tmp_path: Path) -> None:
+def test_a_gap_ends_the_comparison_with_a_remark(bag: Path, tmp_path: Path) -> None:
     """After a missing tick neither law nor plant knows the past: what follows is not compared, and a note says so."""
     gap = rewritten(bag, tmp_path / "run", lambda stamp, parts: None if stamp == 5 * PERIOD else parts)
     done = replayed(gap)
@@ -158,7 +158,7 @@ def test_a_controller_without_telemetry_is_compared_by_its_commands(bag: Path, t
         replayed(bare, against="controller")
 
 
-def test_what_a_paced_run_misses_is_missed_again(tmp_path: Path) -> None:
+def test_replay_repeats_the_missed_commands_of_a_paced_run(tmp_path: Path) -> None:
     """Where the telemetry says that an older command acted, the fresh plant gets that one; no law is asked twice."""
     done = replayed(run_with_losses(tmp_path / "paced", "liu2023/fig11"))
     assert done.equal, [outcome.first for outcome in done.outcomes]
@@ -305,7 +305,7 @@ def test_bad_orders_get_one_line(
     refused(space_robot("replay", str(bag), *arguments), *words)
 
 
-def test_no_bag_gets_one_line(space_robot: Tool, tmp_path: Path) -> None:
+def test_replay_of_a_missing_bag_is_one_line(space_robot: Tool, tmp_path: Path) -> None:
     """No bag, or an empty directory, is one line and exit 2."""
     refused(space_robot("replay", "nowhere"), "nowhere")
     (tmp_path / "empty").mkdir()

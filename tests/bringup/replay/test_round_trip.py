@@ -37,13 +37,13 @@ PLANTS = {
 
 @pytest.mark.parametrize("robot", sorted(TASKS))
 @pytest.mark.parametrize("law", sorted(BUILT_IN))
-def test_every_law_on_two_robots(tmp_path: Path, law: str, robot: str) -> None:
+def test_a_run_of_every_law_on_two_robots_replays_to_the_bit(tmp_path: Path, law: str, robot: str) -> None:
     """A run of any shipped law replays to the bit, telemetry included."""
     assert_equal(record_run(tmp_path / "run", TASKS[robot], "duration=3.0", f"controller.law={law}"))
 
 
 @pytest.mark.parametrize("robot", shipped("robots"))
-def test_every_robot(tmp_path: Path, robot: str) -> None:
+def test_a_run_of_every_robot_replays_to_the_bit(tmp_path: Path, robot: str) -> None:
     """A run of any shipped robot replays to the bit."""
     plain = ("reference={kind: hold}", "settling_bands={}", "plant={}", "nominal={}", "control_period=0.1")
     assert_equal(
@@ -52,13 +52,13 @@ def test_every_robot(tmp_path: Path, robot: str) -> None:
 
 
 @pytest.mark.parametrize("experiment", PLANTS)
-def test_every_plant(tmp_path: Path, experiment: str) -> None:
+def test_a_run_of_every_plant_kind_replays_to_the_bit(tmp_path: Path, experiment: str) -> None:
     """A capture during the run, distorted cameras, a grasp and an orbit are in the log like everything else."""
     assert_equal(record_run(tmp_path / "run", experiment, *PLANTS[experiment]))
 
 
 @pytest.mark.parametrize("law", ["adaptive", "ntsmc", "mfac"])
-def test_noise_delay_hold_and_dispersion(tmp_path: Path, law: str) -> None:
+def test_a_run_with_noise_delay_hold_and_dispersion_replays_to_the_bit(tmp_path: Path, law: str) -> None:
     """With noise, a delay of one period, a hold of zero and both models strayed a replay still gives every bit."""
     assert_equal(record_run(tmp_path / "run", TASKS["mini"], f"controller.law={law}", *ROUGH))
 

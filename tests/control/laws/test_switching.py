@@ -233,7 +233,7 @@ def test_gains_of_each_law_can_be_changed() -> None:
         ({"standby.ntsmc.gains.k1": -1.0}, "greater than or equal to 0"),
     ],
 )
-def test_what_cannot_be_changed_is_refused(changes: dict[str, Any], why: str) -> None:
+def test_a_gain_that_cannot_change_is_refused_with_those_that_can(changes: dict[str, Any], why: str) -> None:
     """The error says what could be."""
     with pytest.raises(SpecError, match=why):
         switching(composed()).tune(changes)

@@ -105,7 +105,7 @@ def test_gains_survive_a_reset_and_are_reported_again(name: str) -> None:
         ("ntsmc", {"gains.k2.joints": {"elbow": 1.0}}, "elbow"),
     ],
 )
-def test_what_cannot_be_is_refused_as_a_whole(name: str, changes: dict[str, Any], why: str) -> None:
+def test_a_bad_gain_change_is_refused_as_a_whole(name: str, changes: dict[str, Any], why: str) -> None:
     """The error names key and reason; the run goes on as if nothing had been asked."""
     subject, plain = law(name), outputs_of(law(name), {})
     subject.reset()

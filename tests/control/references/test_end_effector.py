@@ -123,7 +123,7 @@ def test_a_floating_base_moves_so_that_the_centre_of_mass_stays() -> None:
         (SERVICER, [], "points: not accepted"),
     ],
 )
-def test_what_the_arm_cannot_do_is_one_clear_error(robot: Robot, points: list[dict[str, Any]], says: str) -> None:
+def test_an_unreachable_tool_motion_is_one_clear_error(robot: Robot, points: list[dict[str, Any]], says: str) -> None:
     """Reach, singularities, too few joints and contradictions are refused with the point and, in a run, the time."""
     with pytest.raises(SpecError, match=rf"reference.*{says}|{says}") as caught:
         source(robot, *points)

@@ -58,7 +58,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("spec", "says"), BAD)
-def test_what_cannot_be_done_is_one_clear_error(spec: dict[str, Any], says: str) -> None:
+def test_a_bad_reference_is_one_clear_error(spec: dict[str, Any], says: str) -> None:
     """The message is one line with the dotted key, the value and what would be accepted."""
     with pytest.raises(SpecError, match=rf"reference.*{says}|{says}") as caught:
         make_reference(spec, ROBOT, START)

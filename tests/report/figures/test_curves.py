@@ -56,7 +56,7 @@ def test_large_groups_are_one_cloud() -> None:
     assert [curve.label for curve in cloud] == [f"many ({SINGLY + 1} runs)"] + [""] * SINGLY
 
 
-def test_what_is_varied_has_shades_and_a_second_group_another_line() -> None:
+def test_varied_runs_differ_by_shade_and_groups_by_line() -> None:
     """The runs of a group that varies something differ by shade; two such groups by their lines."""
     first, second = curves(figure_result(a="varied", b="varied"))[:3], curves(figure_result(a="varied", b="varied"))[3:]
     assert len({curve.color for curve in first}) == 3
@@ -75,7 +75,7 @@ def test_a_shared_reference_is_drawn_once() -> None:
     assert len(drawn) == 4
 
 
-def test_what_the_manifest_says_wins() -> None:
+def test_style_and_legend_of_the_manifest_override_the_defaults() -> None:
     """Style and legend go by signal, run or group; an empty text leaves the legend out."""
     style = {"prior": {"color": "grey", "width": 3}, "prior 1": "red"}
     drawn = curves(figure_result(real=1, prior=2), style=style, legend={"real": "", "prior 1": "second"})

@@ -296,7 +296,7 @@ def reasons(directory: Path) -> dict[str, str]:
     return {row["controller.law"]: row["end_reason"] for row in rows(directory)}
 
 
-def test_whatever_a_law_does_is_a_row(tmp_path: Path) -> None:
+def test_a_failing_law_costs_one_row_of_its_campaign(tmp_path: Path) -> None:
     """A law that gives up, raises, exits, kills its process, loops or waits for ever costs one row with the reason."""
     result = run_in(tmp_path, "bad", LAWS, workers=2, time_limit=LIMIT)
     assert (result.end_reason, result.passed, result.lost) == ("completed", False, 2)
@@ -323,7 +323,7 @@ def test_a_resumed_campaign_runs_again_what_may_end_otherwise(tmp_path: Path) ->
         assert sorted(json.loads(line)["key"] for line in lines) == again
 
 
-def test_what_a_law_prints_stays_out_of_the_results(tmp_path: Path) -> None:
+def test_output_of_a_law_stays_out_of_the_json(tmp_path: Path) -> None:
     """`--json` prints one object, whatever the laws of the runs say."""
     path = write(tmp_path, LAWS[: LAWS.index("    fine:")] + "    talks: tests.support.laws:Talks\n")
     command = [sys.executable, "-m", "space_robot_cli", "campaign", str(path), "--json", "--out", str(tmp_path / "out")]

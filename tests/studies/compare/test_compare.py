@@ -97,7 +97,7 @@ def test_the_numbers_are_those_of_the_campaigns_table(finished_comparison: Path)
     assert written == json.loads(json.dumps({"comparisons": [comparison.to_dict()]}))
 
 
-def test_what_failed_is_shown(finished_comparison: Path) -> None:
+def test_a_failed_law_has_a_row_in_every_table(finished_comparison: Path) -> None:
     """A law that never settles, and one that ends its runs, have a row in every table that says so."""
     comparison = compared(finished_comparison)
     for metric in METRICS:
@@ -151,7 +151,7 @@ def test_a_finished_comparison_is_shown_again(
         (("four.yaml", "--out", "four.yaml"), ("four.yaml",)),
     ],
 )
-def test_what_cannot_be_compared_is_refused(
+def test_a_campaign_that_cannot_be_compared_is_refused(
     space_robot: Tool, tmp_path: Path, arguments: tuple[str, ...], words: tuple[str, ...]
 ) -> None:
     """One line that names the key, exit 2, and nothing is written."""

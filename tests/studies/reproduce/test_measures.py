@@ -74,7 +74,7 @@ def test_a_run_without_the_number_is_refused_skipped_or_replaced_as_said() -> No
     assert skipped.runs == 3
 
 
-def test_nothing_left_has_no_number_but_counts_as_none() -> None:
+def test_a_measure_without_runs_has_only_a_count_and_a_sum() -> None:
     """When every run lacks the number only its count and sum exist."""
     runs = finished(data(None))
     assert reduce(Number(metric="settling", reduce="max", missing="skip"), runs, BOUNDS).value is None

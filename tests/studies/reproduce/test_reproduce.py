@@ -375,7 +375,7 @@ def test_a_signal_ends_it_without_a_verdict_and_it_can_be_resumed(
     assert len((place / "rows.jsonl").read_text().splitlines()) == 25
 
 
-def test_what_is_resumed_is_what_would_be_run(space_robot: Tool, tmp_path: Path) -> None:
+def test_a_resumed_reproduction_equals_an_uninterrupted_one(space_robot: Tool, tmp_path: Path) -> None:
     """Page and claims of a resumed reproduction are those of one at a stretch; what has changed is run again."""
     write(tmp_path)
     assert space_robot("reproduce", "paper.yaml").returncode == 0

@@ -75,7 +75,7 @@ def test_pd_holds_the_same_channels() -> None:
     assert 0.1 < lag < 10.0
 
 
-def test_one_channel_of_many_is_the_one_by_one_case() -> None:
+def test_a_law_of_one_channel_moves_only_that_channel() -> None:
     """A law of one output pushes that channel and nothing else, and Phi is a number."""
     robot = load_robot("servicer")
     q = home(robot)
@@ -111,7 +111,7 @@ def test_the_response_of_a_channel_is_that_of_the_bodies_behind_it() -> None:
         ({"kappa": -1.0}, "kappa"),
     ],
 )
-def test_what_cannot_be_used_is_refused_by_name(gains: dict[str, Any], key: str) -> None:
+def test_unusable_channels_and_numbers_are_refused_with_their_key(gains: dict[str, Any], key: str) -> None:
     """A channel that is not there, not pushed, or named twice, and numbers out of range: one error with the key."""
     with pytest.raises(SpecError, match=key):
         make_law("mfac", load_robot("mini"), 0.1, gains)

@@ -136,7 +136,7 @@ def test_the_observer_takes_off_a_roughly_known_load_and_is_off_by_default() -> 
 
 
 @pytest.mark.parametrize("saturation", ["per_axis", "direction_preserving"])
-def test_what_is_sent_fits_the_nominal_actuators(saturation: str) -> None:
+def test_saturated_commands_fit_the_nominal_actuators(saturation: str) -> None:
     """From half a turn away the servicer is asked for more than it has; what is sent fits, and telemetry says so."""
     robot = load_robot("servicer")
     q = np.concatenate([np.zeros(3), rot.exp((0.0, 3.0, 0.5)), robot.home])

@@ -65,7 +65,7 @@ def test_an_error_on_the_surface_vanishes_in_the_closed_form_time(gamma: float, 
 
 
 @pytest.mark.parametrize("clamp", [False, True])
-def test_an_error_off_the_surface_reaches_it_and_vanishes(clamp: bool) -> None:
+def test_an_error_off_the_sliding_surface_converges(clamp: bool) -> None:
     """From rest at a distance the error ends within the boundary layer, with and without the clamp."""
     errors, rates = held(sliding(0.02, clamp=clamp), 0.5, 0.0, 0.02, 4000)
     assert abs(errors[-1]) < 1e-6
