@@ -143,7 +143,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
             accepted="reject",
         )
     robot = load_robot(experiment.robot)
-    nominal = _variant(robot, _believed(experiment), seeds[0], "nominal")
+    nominal = _variant(robot, _nominal_spec(experiment), seeds[0], "nominal")
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
     q0, v0 = _initial(experiment.initial, robot)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
@@ -181,7 +181,7 @@ def _check_recorded(experiment: Experiment) -> None:
         raise SpecError(f"none at {missing} ns", key="reference.stamps", value=list(spec.stamps[:3]), accepted=accepted)
 
 
-def _believed(experiment: Experiment) -> ModelSpec:
+def _nominal_spec(experiment: Experiment) -> ModelSpec:
     """What ``nominal`` says, with its payload where it says a fraction of the real one."""
     nominal, real = experiment.nominal, experiment.plant.payload
     if nominal.payload_known is None:

@@ -57,11 +57,11 @@ def run_processes(
     with tempfile.TemporaryFile(prefix="space-robot-") as experiment, reserved_domain() as domain:
         experiment.write(composition.header.experiment.encode())
         experiment.flush()
-        crew = _Crew(directory, _arguments(realtime, hooks), experiment.fileno(), domain, late or {})
+        children = _NodeProcesses(directory, _arguments(realtime, hooks), experiment.fileno(), domain, late or {})
         try:
-            return crew.watch(hooks)
+            return children.watch(hooks)
         finally:
-            crew.end()
+            children.end()
 
 
 def _arguments(realtime: float | None, hooks: Hooks) -> list[str]:
@@ -69,7 +69,7 @@ def _arguments(realtime: float | None, hooks: Hooks) -> list[str]:
     return [*paced, *(["--debug"] if hooks.debug else [])]
 
 
-class _Crew:
+class _NodeProcesses:
     """The child processes of one run.
 
     Args:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from space_robot_bringup.replay.comparison import Tolerance
-from space_robot_bringup.replay.controller_events import happen
+from space_robot_bringup.replay.controller_events import apply_event
 from space_robot_bringup.replay.recording import Recording, other_code
 from space_robot_bringup.replay.result import Outcome
 from space_robot_bringup.replay.side import SideReplay
@@ -75,7 +75,7 @@ class _ControllerReplay(SideReplay):
             self._notes["states have no recorded answer and were not compared"] += 1
             return ""
         self._ticks += 1
-        self._happen(parts)
+        self._apply_events(parts)
         try:
             output = self._law.update(state, reference)
         except SpaceRobotError as error:
@@ -91,11 +91,11 @@ class _ControllerReplay(SideReplay):
         self._comparison.event(CONTROLLER_EVENTS.name, stamp, "events", recorded, fresh)
         return ""
 
-    def _happen(self, parts: Mapping[str, bytes]) -> None:
+    def _apply_events(self, parts: Mapping[str, bytes]) -> None:
         """Apply the recorded events to the fresh law; it reports them itself."""
         for event in self._events(parts):
             try:
-                happen(self._law, event)
+                apply_event(self._law, event)
             except SpaceRobotError as error:
                 self._notes[f"recorded changes during the run do not fit ({error})"] += 1
 

@@ -19,7 +19,7 @@ from space_robot_msgs_py.topics import CONTROLLER_EVENTS
 _HEADLESS = {"mode": "headless"}
 
 
-def refly(recording: Recording) -> bool:
+def update_reference(recording: Recording) -> bool:
     """Run the experiment of a log again, headless, and put the new bag in its place.
 
     Args:
@@ -49,7 +49,7 @@ def refly(recording: Recording) -> bool:
 
 
 def _events(recording: Recording) -> dict[int, tuple[ControllerEvent, ...]]:
-    """Recorded changes belong to the run, and happen in the new one too."""
+    """Recorded changes belong to the run, and are applied in the new one too."""
     rows = ((stamp, parts.get(CONTROLLER_EVENTS.name)) for stamp, parts in recording.rows())
     return {stamp: decode_events(raw) for stamp, raw in rows if raw is not None}
 

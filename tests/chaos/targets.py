@@ -25,7 +25,7 @@ from space_robot_bringup.logs.info import bag_info
 from space_robot_bringup.logs.logged import compose_logged
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_bringup.replay.publish import open_broadcast
-from space_robot_bringup.replay.replay import Order, replay
+from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_cli import main as cli
 from space_robot_description.load import load_robot, robot_path
 from space_robot_description.share import config_dir
@@ -221,7 +221,7 @@ def _info(path: Path, folder: Path) -> None:
 def _replay(path: Path, folder: Path) -> None:
     from space_robot_cli.render.replay import as_dict
 
-    json.dumps(as_dict(replay(path, Order("both"))), allow_nan=False)
+    json.dumps(as_dict(replay(path, ReplayOptions("both"))), allow_nan=False)
 
 
 READERS: Sequence[Callable[[Path, Path], Any]] = (

@@ -121,9 +121,9 @@ def _kill_child(kill: Kill) -> tuple[float, float | None, int, str | None]:
     composition = compose(load_experiment("liu2023/fig08", kill.overrides))
     killed: list[float] = []
     decided: list[float] = []
-    crew: dict[str, int] = {}
+    children: dict[str, int] = {}
 
-    class TimedCrew(processes._Crew):
+    class TimedProcesses(processes._NodeProcesses):
         def _end_all(self, reason: str, *, hurry: bool = False) -> None:
             decided.append(monotonic())
             super()._end_all(reason, hurry=hurry)
@@ -131,15 +131,15 @@ def _kill_child(kill: Kill) -> tuple[float, float | None, int, str | None]:
     def on_tick(tick: int) -> None:
         if tick >= BEGUN_TICKS and not killed:
             sleep(kill.delay)
-            crew.update(nodes_of(os.getpid()))
+            children.update(nodes_of(os.getpid()))
             killed.append(monotonic())
-            os.kill(crew[kill.victim], signal.SIGKILL)
+            os.kill(children[kill.victim], signal.SIGKILL)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(processes, "_Crew", TimedCrew)
+        patch.setattr(processes, "_NodeProcesses", TimedProcesses)
         said = processes.run_processes(composition, kill.place, realtime=kill.realtime, hooks=Hooks(on_tick))
     ended = monotonic()
-    return ended - killed[0], decided[0] - killed[0], len(_await_gone(crew.values())), said
+    return ended - killed[0], decided[0] - killed[0], len(_await_gone(children.values())), said
 
 
 def _kill_parent(kill: Kill) -> tuple[float, float | None, int, str | None]:
@@ -152,12 +152,12 @@ def _kill_parent(kill: Kill) -> tuple[float, float | None, int, str | None]:
             if int(line) >= BEGUN_TICKS or (kill.alone and bag.exists() and bag.stat().st_size):
                 break
         sleep(kill.delay)
-        crew = nodes_of(parent.pid)
-        assert set(crew) == set(ROLES) - set(late)
+        children = nodes_of(parent.pid)
+        assert set(children) == set(ROLES) - set(late)
         parent.kill()
         killed = monotonic()
         parent.wait()
-        orphans = _await_gone(crew.values())
+        orphans = _await_gone(children.values())
         ended = monotonic()
     for pid in orphans:
         with contextlib.suppress(ProcessLookupError):

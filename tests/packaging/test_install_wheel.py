@@ -90,7 +90,7 @@ def test_every_node_starts_lists_its_parameters_and_stops(
 ) -> None:
     """It appears in the graph, lists its parameters and ends with 0 on SIGINT and SIGTERM, leaving no process."""
     with reserved_domain() as domain, _observer(domain) as observer:
-        crew = {
+        children = {
             number: _start(
                 prefix / "lib" / executable,
                 [str(bag), "--paused"]
@@ -101,13 +101,13 @@ def test_every_node_starts_lists_its_parameters_and_stops(
             )
             for number in (signal.SIGINT, signal.SIGTERM)
         }
-        with ended([*crew.values()]):
-            for number, child in crew.items():
+        with ended([*children.values()]):
+            for number, child in children.items():
                 seen = observer(f"/{number.name.lower()}/node", child)
                 assert ("use_sim_time" if executable == REPLAYER else "experiment") in seen
                 child.send_signal(number)
-            said = {number: child.communicate(timeout=DEADLINE)[0] for number, child in crew.items()}
-    for number, child in crew.items():
+            said = {number: child.communicate(timeout=DEADLINE)[0] for number, child in children.items()}
+    for number, child in children.items():
         assert child.returncode == 0, said[number]
         assert "Traceback" not in said[number]
         with pytest.raises(ProcessLookupError):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import Mode, run_experiment
-from space_robot_bringup.replay.replay import Order, Replayed, replay
+from space_robot_bringup.replay.replay import Replayed, ReplayOptions, replay
 
 
 def record_run(place: Path, experiment: str, *overrides: str, mode: Mode = "headless") -> Path:
@@ -15,9 +15,9 @@ def record_run(place: Path, experiment: str, *overrides: str, mode: Mode = "head
     return place
 
 
-def replayed(bag: Path, **order: object) -> Replayed:
+def replayed(bag: Path, **options: object) -> Replayed:
     """What comes out of a bag."""
-    return replay(bag, Order(**order))  # type: ignore[arg-type]
+    return replay(bag, ReplayOptions(**options))  # type: ignore[arg-type]
 
 
 def assert_equal(bag: Path) -> None:

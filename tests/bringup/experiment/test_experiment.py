@@ -122,10 +122,10 @@ def test_a_robot_beside_the_experiment_is_found(tmp_path: Path) -> None:
     for suffix in ("yaml", "urdf"):
         (tmp_path / f"mine.{suffix}").write_bytes((config_dir() / "robots" / f"mini.{suffix}").read_bytes())
     (tmp_path / "mine.yaml").write_text((tmp_path / "mine.yaml").read_text().replace("mini.urdf", "mine.urdf"))
-    (tmp_path / "mine.yaml").write_text(
+    (tmp_path / "task.yaml").write_text(
         "robot: mine.yaml\ncontrol_period: 0.5\nduration: 1.0\nreference: {kind: hold}\n"
     )
-    assert compose(load_experiment(str(tmp_path / "mine.yaml"))).nominal.n == 4
+    assert compose(load_experiment(str(tmp_path / "task.yaml"))).nominal.n == 4
 
 
 @given(st.integers(1, 10_000), st.sampled_from([0.1, 0.02, 0.25, 0.05, 0.5, 1.0, 0.3]))

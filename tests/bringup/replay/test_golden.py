@@ -10,7 +10,7 @@ import pytest
 from space_robot_bringup.experiment.dotted_keys import set_key
 from space_robot_bringup.replay.comparison import Tolerance
 from space_robot_bringup.replay.recording import flat, open_recording
-from space_robot_bringup.replay.replay import Order, replay
+from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.log.reader import LogReader
@@ -39,7 +39,7 @@ IDLE_ON_A_FLOATING_BASE = ("rls.force_noise", "translation")
 @pytest.mark.parametrize("name", GOLDEN)
 def test_the_golden_logs_replay(name: str) -> None:
     """Controller and plant of today give the commands and states of the day the log was made."""
-    outcomes = replay(FOLDER / name, Order(tolerance=NEARLY)).outcomes
+    outcomes = replay(FOLDER / name, ReplayOptions(tolerance=NEARLY)).outcomes
     assert [outcome.against for outcome in outcomes] == ["controller", "plant"]
     for outcome in outcomes:
         assert outcome.first is None, f"{outcome.first}; if it is meant so: make golden"
@@ -65,8 +65,8 @@ def test_a_gain_that_is_a_millionth_off_is_caught(name: str) -> None:
         if isinstance(value, float) and value and not idle:
             broken = deepcopy(gains)
             set_key(broken, key, value * BREAK, key)
-            order = Order("controller", NEARLY, [f"controller.gains={json.dumps(broken)}"])
-            assert not replay(FOLDER / name, order).equal, key
+            options = ReplayOptions("controller", NEARLY, [f"controller.gains={json.dumps(broken)}"])
+            assert not replay(FOLDER / name, options).equal, key
             tried += 1
     assert tried
 
@@ -77,7 +77,7 @@ def test_a_broken_plant_is_caught() -> None:
     recording = open_recording(FOLDER / name)
     payload = recording.composition.experiment.plant.payload
     assert payload is not None
-    order = Order("plant", NEARLY, [f"plant.payload.mass={payload.mass * BREAK!r}"])
-    assert not replay(FOLDER / name, order).equal
+    options = ReplayOptions("plant", NEARLY, [f"plant.payload.mass={payload.mass * BREAK!r}"])
+    assert not replay(FOLDER / name, options).equal
     with pytest.raises(SpecError):
-        Order("wall")
+        ReplayOptions("wall")

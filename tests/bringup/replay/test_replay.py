@@ -11,7 +11,7 @@ import pytest
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.replay.comparison import Divergence, Tolerance
-from space_robot_bringup.replay.golden import refly
+from space_robot_bringup.replay.golden import update_reference
 from space_robot_bringup.replay.recording import Code
 from space_robot_bringup.replay.replay import Replayed
 from space_robot_bringup.replay.result import Outcome
@@ -206,7 +206,7 @@ def test_recorded_switches_are_replayed(tmp_path: Path) -> None:
     """A requested switch replays where it happened; scheduled ones come by themselves."""
     bag = tuned(tmp_path / "run", {6: "ntsmc", 13: "mfac"}, "switch/mini", "controller.switches=[]")
     assert_equal(bag)
-    assert not refly(replayed(bag).recording), "the same run, switches and all, is another file"
+    assert not update_reference(replayed(bag).recording), "the same run, switches and all, is another file"
     forgotten = rewritten(bag, tmp_path / "forgotten", drop=("controller/events",))
     assert first(one(replayed(forgotten, against="controller"))).stamp == 6 * PERIOD
     assert_equal(
