@@ -23,7 +23,7 @@ OLD = re.compile(
     rf"(?<![a-z])(?:{'|'.join(f'({old})' for old in REPLACED.values())})(?![a-z])|(?-i:[a-z](Flights?|Flown))", re.I
 )
 # Terms of the field; in a comment a line may end within one.
-ALLOWED = re.compile(r"free[- ]fly(?:er|ing)|flight[\s#]+software|flight-like|on the fly", re.I)
+ALLOWED = re.compile(r"free[- ]fly(?:er|ing)|flight[\s#_]+software|flight-like|on the fly", re.I)
 TEXT = (".py", ".md", ".j2", ".yaml", ".js", ".css", "Makefile")
 # Titles are part of recorded logs, numbers in golden ones.
 TITLE = re.compile(r"^title: .*$", re.M)
