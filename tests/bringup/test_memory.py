@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
@@ -74,6 +76,23 @@ def test_memory_does_not_grow_with_the_messages_of_a_log(
     of_a_tick = (many - few) / (MANY - FEW)
     messages = sum(len(data) for _, _, data in LogReader(logs[0]).messages()) / FEW
     assert of_a_tick < kept < messages / 15
+
+
+READING = """
+import sys
+from pathlib import Path
+from space_robot_bringup.logs.assessed import read_judged
+from space_robot_bringup.logs.info import bag_info
+assert bag_info(Path(sys.argv[1]), full=True).verdict.passed
+assert read_judged(sys.argv[1]).metrics.ticks == int(sys.argv[2])
+print(*sorted({"numba", "scipy", "space_robot_control.laws.base"} & sys.modules.keys()))
+"""
+
+
+def test_reading_a_log_loads_no_law_and_no_compiler(logs: tuple[Path, Path]) -> None:
+    """A log is judged with Pinocchio and NumPy alone: the 90 MB of a law and its compiler are not loaded."""
+    words = [sys.executable, "-c", READING, str(logs[0]), str(FEW)]
+    assert subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip() == ""
 
 
 def test_the_verdict_of_a_thinned_log_is_that_of_all_its_ticks(
