@@ -133,7 +133,7 @@ def _sections(judged: JudgedLog, book: PlotBook) -> list[dict[str, Any]]:
     arrays, joints = judged.arrays, judged.header.joint_names
     robot = judged.composition.nominal if judged.composition else None
     sections = {
-        "Motion": motion_plots(arrays, joints, robot),
+        "Motion": motion_plots(arrays, joints, robot, whole=judged.ticks == arrays.stamp.size),
         "Torques and wheels": effort_plots(arrays, joints, robot),
         "What the law shows": telemetry_plots(arrays.time, arrays.controller),
         "Conservation": conservation_plots(arrays),
