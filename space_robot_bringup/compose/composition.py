@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from importlib import metadata
 from math import radians
 from typing import TYPE_CHECKING
@@ -109,12 +110,14 @@ class Composition:
         return self._reference
 
     def review(self) -> Review:
-        """What the law says about this flight before it: see ``Law.review``."""
+        """What the law says about this run before it, see ``Law.review``, and whether it knows when commands act."""
         source, experiment = self.reference(), self.experiment
         still = np.zeros(self._v0.size)
         stride = max(1, experiment.steps // PATH_POINTS)
         stamps = [tick * experiment.period for tick in range(0, experiment.steps + 1, stride)]
-        return self.controller().review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
+        law = self.controller()
+        found = law.review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
+        return replace(found, warnings=(*found.warnings, *_delay_warnings(experiment, law)))
 
 
 def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
@@ -151,6 +154,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
         )
     robot = load_robot(experiment.robot)
     nominal = _variant(robot, _believed(experiment), seeds[0], "nominal")
+    nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
     q0, v0 = _initial(experiment.initial, robot)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
@@ -186,6 +190,14 @@ def _check_recorded(experiment: Experiment) -> None:
     if missing is not None:
         accepted = "one at every multiple of control_period up to the last"
         raise SpecError(f"none at {missing} ns", key="reference.stamps", value=list(spec.stamps[:3]), accepted=accepted)
+
+
+def _delay_warnings(experiment: Experiment, law: Law) -> Iterator[str]:
+    real, known = experiment.plant.delay_periods, experiment.nominal.delay_periods
+    if real > known:
+        yield f"plant.delay_periods={real}, but the law knows of {known}: see nominal.delay_periods"
+    if real and known and not law.uses_command_delay:
+        yield f"{law.name or type(law).__qualname__} takes no account of nominal.delay_periods={known}"
 
 
 def _believed(experiment: Experiment) -> ModelSpec:

@@ -11,6 +11,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_control.command_delay import CommandDelay
 from space_robot_control.laws.tunable import Tunable
 from space_robot_control.tracking import prepare
 from space_robot_description.robot import Robot
@@ -51,7 +52,8 @@ class Law(Tunable, ABC):
     """A control law as a Controller: subclasses write ``compute`` and, if they remember anything, ``reset``.
 
     Subclasses with gains nest a ``Gains`` model and annotate ``gains: Gains``; every field has a default and a
-    description with its unit. ``telemetry_fields`` describes the blocks of telemetry, with their units. A law is a
+    description with its unit. ``telemetry_fields`` describes the blocks of telemetry, with their units;
+    ``uses_command_delay`` says that the law takes ``robot.command_delay`` into account. A law is a
     function of the states and references since the last ``reset``, of what ``tune`` changed between them, and of
     nothing else.
 
@@ -68,6 +70,7 @@ class Law(Tunable, ABC):
         """The numbers to tune; this law has none."""
 
     name: ClassVar[str] = ""
+    uses_command_delay: bool = False
     telemetry_fields: ClassVar[Mapping[str, str]] = {}
     gains: Gains
 
@@ -91,6 +94,7 @@ class Law(Tunable, ABC):
         self.control_period = control_period
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
+        self._sent = CommandDelay(robot.command_delay, none=False)
         prepare()
 
     @classmethod
@@ -125,6 +129,7 @@ class Law(Tunable, ABC):
         Overriding laws call this one too.
         """
         self._layout = None
+        self._sent.reset()
         self.restart_events()
 
     def reset_in_run(self) -> None:
@@ -143,6 +148,9 @@ class Law(Tunable, ABC):
     def on_applied(self, command: Command, *, own: bool) -> None:
         """Take note of the command that acts from now on; called once per period, by default without effect.
 
+        Where commands act later (``robot.command_delay``), it is the one that ``compute`` returned so many periods ago,
+        and zero with the stamp -1 before there is one.
+
         Args:
             command: the applied one.
             own: it is what ``compute`` returned. False: this law is idle and another one commands, or this law takes
@@ -151,14 +159,15 @@ class Law(Tunable, ABC):
         del command, own
 
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
-        """Return command and telemetry for one state, of the same stamp; the command is taken as applied.
+        """Return command and telemetry for one state, of the same stamp; the command is taken as sent.
 
         Raises:
             CommandError: state or reference does not fit the robot or each other.
             ControlError: a value in the control law is not finite or singular.
         """
         output = self.control(state, reference)
-        self.on_applied(output.command, own=True)
+        command, own = self._sent.acting(output.command, True)
+        self.on_applied(command, own=own)
         return output
 
     def control(self, state: RobotState, reference: Reference) -> ControlOutput:

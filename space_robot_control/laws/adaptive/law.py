@@ -66,6 +66,7 @@ class Adaptive(Law):
         """Gains of the adaptive law."""
 
     name = "adaptive"
+    uses_command_delay = True
     telemetry_fields: ClassVar[Mapping[str, str]] = {
         "position_error": "p_d - p, inertial axes; free-flying robots [m]",
         "euler_error": "errors of roll, pitch, yaw [rad]",
@@ -149,7 +150,7 @@ class Adaptive(Law):
     def on_applied(self, command: Command, *, own: bool) -> None:
         """The wheels take up every torque; the update needs the command of periods that began with ``compute``."""
         wrench = np.array(command.wrench)
-        middle = self._wheels.apply(wrench[3:], self.control_period)
+        middle = self._wheels.apply(command.u, self.control_period)
         if self._start is not None:
             self._update.begin(PeriodStart(*self._start, middle, wrench))
         self._start = None
