@@ -111,9 +111,7 @@ class Summary:
         """A time of every channel, out of the first chunk that has a message of it."""
         found: dict[int, int] = {}
         for content in chunks:
-            *_, length = _CHUNK.unpack_from(content)
-            entries = np.frombuffer(content, _ENTRY, length // _ENTRY.itemsize, _CHUNK.size)
-            for number, place in zip(entries["channel"].tolist(), entries["offset"].tolist(), strict=True):
+            for number, place in self._places(content):
                 if number in self.counts and number not in found:
                     raw = self._record(stream, place, Opcode.MESSAGE_INDEX)
                     index: MessageIndex = parse(MessageIndex.read, raw, str(self.path))
@@ -124,8 +122,18 @@ class Summary:
                 break
         return found
 
+    def _places(self, content: bytes) -> list[tuple[int, int]]:
+        """Number of each channel with messages in a chunk, and where their index is."""
+        try:
+            *_, length = _CHUNK.unpack_from(content)
+            entries = np.frombuffer(content, _ENTRY, length // _ENTRY.itemsize, _CHUNK.size)
+        except (struct.error, ValueError):
+            raise LogError("its index is damaged: too short for a chunk", key=str(self.path)) from None
+        return list(zip(entries["channel"].tolist(), entries["offset"].tolist(), strict=True))
+
     def _record(self, stream: IO[bytes], place: int, expected: int) -> bytes:
-        stream.seek(place)
+        # A place beyond the file may be one that no file can have.
+        stream.seek(min(place, os.fstat(stream.fileno()).st_size))
         prefix = stream.read(PREFIX.size)
         opcode, length = PREFIX.unpack(prefix) if len(prefix) == PREFIX.size else (0, 0)
         if opcode != expected or length > RECORD_BYTES.most:

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 from mcap.opcode import Opcode
+from mcap.records import Footer
 
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.log.bag import Bag, BagMessage, Missing, intact
 from space_robot_msgs_py.log.mcap import index
-from space_robot_msgs_py.log.mcap.records import MAGIC, PREFIX, scan
+from space_robot_msgs_py.log.mcap.records import MAGIC, PREFIX, record_bytes, scan
 from space_robot_msgs_py.log.mcap.summary import read_summary
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.writer import LogSink
@@ -120,3 +121,33 @@ def test_a_damaged_summary_is_not_believed(log: bytes, tmp_path: Path) -> None:
         assert read_summary(path) is None
         if at % 5 == 0:
             assert sum(1 for _ in LogReader(path).ticks()) == COUNT
+
+
+@pytest.mark.parametrize(
+    "hostile",
+    [b"", b"\0" * 30, b"\xff" * 36, b"\0" * 32 + b"\x0a\0\0\0" + b"\x02\0" + b"\xff" * 8],
+    ids=["empty", "short", "long", "far"],
+)
+def test_an_index_without_a_checksum_may_say_anything(log: bytes, tmp_path: Path, hostile: bytes) -> None:
+    """Chunk indexes that are too short or lead out of the file are one error, and the messages are read without them."""
+    section = read_section(log)
+    parts = [PREFIX.pack(opcode, len(content)) + content for opcode, content in section if opcode != Opcode.CHUNK_INDEX]
+    parts.append(PREFIX.pack(Opcode.CHUNK_INDEX, len(hostile)) + hostile)
+    start = len(log) - sum(PREFIX.size + len(content) for _, content in section) - PREFIX.size - 20 - len(MAGIC)
+    path = tmp_path / "bad_0.mcap"
+    footer = record_bytes(Footer(summary_start=start, summary_offset_start=0, summary_crc=0))
+    path.write_bytes(log[:start] + b"".join(parts) + footer + MAGIC)
+    summary = read_summary(path)
+    assert summary is not None
+    with pytest.raises(LogError, match="index is damaged"):
+        summary.topics()
+    assert sum(1 for _ in LogReader(path).ticks()) == COUNT
+
+
+def read_section(data: bytes) -> list[tuple[int, bytes]]:
+    """The records of the summary."""
+    stream = io.BytesIO(data)
+    stream.seek(len(MAGIC))
+    records = list(scan(stream, len(data)))
+    end = next(number for number, (opcode, _) in enumerate(records) if opcode == Opcode.DATA_END)
+    return records[end + 1 : -1]
