@@ -20,7 +20,7 @@ from space_robot_msgs_py.log.thinning import Thinner
 from tests.support.long_logs import write_long_log
 
 # Several blocks each, so that both have had all that one block takes.
-FEW, MANY = 1_600, 5_600
+FEW, MANY = 1_600, 3_600
 # What judging keeps of a tick of a robot with four joints [bytes], see ``Measurement``, and what lists add.
 KEPT = 200
 
