@@ -7,16 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import metadata
 from math import radians
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from space_robot_bringup.compose.controllers import law_sources, make_controller
 from space_robot_bringup.compose.plants import PLANTS, PlantParts
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec
 from space_robot_bringup.judge.metrics import axis_names, metric_names
 from space_robot_bringup.judge.verdict import check_bands, check_expectations
-from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
@@ -32,6 +31,9 @@ from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Ve
 from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_sim.initial import InitialState
+
+if TYPE_CHECKING:
+    from space_robot_control.laws.base import Law, Review
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
@@ -79,6 +81,9 @@ class Composition:
         # What is written has to be readable: a recorded reference may be of any length until here.
         YAML_BYTES.check(len(text.encode()), "experiment, resolved")
         YAML_NODES.check(values_in(resolved.model_dump(mode="json")), "experiment, resolved")
+        # Only here and below: a log is judged without a law and its compiler, which take 90 MB.
+        from space_robot_bringup.compose.controllers import law_sources
+
         laws = law_sources(self.experiment.controller, self.policy)
         return LogHeader(text, robot.urdf, self.experiment.seed, robot.joint_names, versions(), laws)
 
@@ -95,6 +100,8 @@ class Composition:
             SpecError: a law or a gain cannot be used.
             CodeError: the policy does not let a law be imported.
         """
+        from space_robot_bringup.compose.controllers import make_controller
+
         experiment = self.experiment
         return make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
 
@@ -110,7 +117,7 @@ class Composition:
         stamps = [tick * experiment.period for tick in range(0, experiment.steps + 1, stride)]
         law = self.controller()
         found = law.review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
-        return Review(found.facts, (*found.warnings, *_delay_warnings(experiment, law)))
+        return replace(found, warnings=(*found.warnings, *_delay_warnings(experiment, law)))
 
 
 def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:

@@ -39,6 +39,7 @@ EXEMPT = (
     "space_robot_studies/campaign/run_case.py",
     "space_robot_studies/reproduce/run.py",
     "benchmarks/bench_plant.py",
+    "tests/support/long_logs.py",
     "tests/sim/",
     "tests/msgs_py/log/",
     "tests/msgs_py/nodes/",
