@@ -85,6 +85,9 @@ class Mfac:
         past += sum(self.phi(L_y + i) @ self.du[i - 1] for i in range(1, L_u))
         phi, weight = self.phi(L_y), np.diag(1.0 + self.kappa)
         W = phi.T @ weight @ phi + self.lambda_ * np.eye(self.m)
+        phi_1 = self.Phi_1[:, self.m * L_y : self.m * (L_y + 1)]
+        least, smallest = self.floor * np.linalg.svd(phi_1)[1].min(), np.linalg.svd(phi)[1].min()
+        W += max(0.0, least**2 - smallest**2) * np.eye(self.m)
         du = np.linalg.inv(W) @ phi.T @ (self.rho * (self.S_y @ z) - past)  # (16)
         self.z, self.last, self.u, self.du = z, (q, v, e_dot, desired), self.u + du, [du, *self.du][:L_u]
         out = np.zeros(self.model.nv)
