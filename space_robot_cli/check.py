@@ -62,7 +62,7 @@ def schema_of(kind: str) -> dict[str, Any]:
 
 
 def check_file(
-    name_or_path: str, kind: str, overrides: Sequence[str] = (), say: Callable[[str], None] = lambda line: None
+    name_or_path: str, kind: str, overrides: Sequence[str] = (), on_notice: Callable[[str], None] = lambda line: None
 ) -> Checked:
     """Check everything that can be checked before a run.
 
@@ -70,7 +70,7 @@ def check_file(
         name_or_path: shipped name or YAML file.
         kind: see ``kind_of``.
         overrides: ``dotted.key=value`` of an experiment.
-        say: called with what has to be compiled before the answer.
+        on_notice: called with what has to be compiled before the answer.
 
     Raises:
         SpaceRobotError: what is wrong; the message names the key.
@@ -80,13 +80,13 @@ def check_file(
     if overrides and kind != "experiment":
         raise SpecError("is for experiments", key="--set", value=list(overrides), accepted=f"keys in the {kind}'s file")
     if kind == "experiment":
-        return _experiment(load_experiment(name_or_path, overrides), say)
+        return _experiment(load_experiment(name_or_path, overrides), on_notice)
     return _campaign(load_campaign(name_or_path)) if kind == "campaign" else _paper(load_plan(name_or_path))
 
 
-def _experiment(spec: Experiment, say: Callable[[str], None]) -> Checked:
+def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     if line := notice(spec.controller.law_names, plant=False):
-        say(line)
+        on_notice(line)
     composition = compose(spec)
     nominal, review = composition.nominal, composition.review()
     summary = (

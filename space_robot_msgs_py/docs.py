@@ -24,7 +24,7 @@ _KINDS: dict[Kind, str] = {
     "command": "Command: its parts carry the stamp of the state they answer",
     "accepted_command": "a whole command, under its stamp",
     "controller_telemetry": "what the law wants to be seen, under the stamp of its command",
-    "controller_event": "what changed in flight how the law answers, from that stamp on",
+    "controller_event": "what changed during the run how the law answers, from that stamp on",
     "plant_telemetry": "truth and conservation, under the stamp of the state",
     "description": "text, once per run",
     "event": "of the run as a whole: its begin, its end, how far it may go",

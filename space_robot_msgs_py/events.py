@@ -1,4 +1,4 @@
-"""What happened to a controller in flight, so that a log tells it and a replay can do it again: one JSON line each."""
+"""Events of a controller during the run, as recorded in a log and repeated by a replay: one JSON line each."""
 
 from __future__ import annotations
 

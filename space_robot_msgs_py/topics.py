@@ -105,8 +105,8 @@ CONTROLLER_EVENTS = Topic(
     "std_msgs/msg/String",
     "controller_event",
     "controller",
-    "gains changed and laws switched in flight, one JSON line each: stamp [ns] of the first command it acts on, kind, "
-    "content; sent before that command",
+    "gains changed and laws switched during the run, one JSON line each: stamp [ns] of the first command it acts on, "
+    "kind, content; sent before that command",
     sporadic=True,
 )
 WRENCH_COMMAND = Topic(

@@ -7,16 +7,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import metadata
 from math import radians
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from space_robot_bringup.compose.controllers import law_sources, make_controller
 from space_robot_bringup.compose.plants import PLANTS, PlantParts
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec
 from space_robot_bringup.judge.metrics import axis_names, metric_names
 from space_robot_bringup.judge.verdict import check_bands, check_expectations
-from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
@@ -33,9 +32,12 @@ from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_sim.initial import InitialState
 
+if TYPE_CHECKING:
+    from space_robot_control.laws.base import Law, Review
+
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
-# References that a law reviews before a flight.
+# References that a law reviews before a run.
 PATH_POINTS = 200
 
 
@@ -46,8 +48,8 @@ class Composition:
     Attributes:
         experiment: what it was made from.
         nominal: the robot the flight software believes in.
-        truth: the robot that flies, as it starts.
-        changes: (stamp [ns], robot that flies from then on), in order.
+        truth: the true robot, as it starts.
+        changes: (stamp [ns], true robot from then on), in order.
         policy: whose code may be its laws.
     """
 
@@ -79,6 +81,9 @@ class Composition:
         # What is written has to be readable: a recorded reference may be of any length until here.
         YAML_BYTES.check(len(text.encode()), "experiment, resolved")
         YAML_NODES.check(values_in(resolved.model_dump(mode="json")), "experiment, resolved")
+        # Only here and below: a log is judged without a law and its compiler, which take 90 MB.
+        from space_robot_bringup.compose.controllers import law_sources
+
         laws = law_sources(self.experiment.controller, self.policy)
         return LogHeader(text, robot.urdf, self.experiment.seed, robot.joint_names, versions(), laws)
 
@@ -95,6 +100,8 @@ class Composition:
             SpecError: a law or a gain cannot be used.
             CodeError: the policy does not let a law be imported.
         """
+        from space_robot_bringup.compose.controllers import make_controller
+
         experiment = self.experiment
         return make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
 
@@ -110,7 +117,7 @@ class Composition:
         stamps = [tick * experiment.period for tick in range(0, experiment.steps + 1, stride)]
         law = self.controller()
         found = law.review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
-        return Review(found.facts, (*found.warnings, *_delay_warnings(experiment, law)))
+        return replace(found, warnings=(*found.warnings, *_delay_warnings(experiment, law)))
 
 
 def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
@@ -146,7 +153,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
             accepted="reject",
         )
     robot = load_robot(experiment.robot)
-    nominal = _variant(robot, _believed(experiment), seeds[0], "nominal")
+    nominal = _variant(robot, _nominal_spec(experiment), seeds[0], "nominal")
     nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
     truth = _variant(robot, experiment.plant, seeds[1], "plant")
     q0, v0 = _initial(experiment.initial, robot)
@@ -155,9 +162,9 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
     changes = kind.changes(spec, truth, experiment.control_period)
     reference = make_reference(experiment.reference, nominal, q0)
     composition = Composition(experiment, nominal, truth, changes, policy, reference, seeds, q0, v0)
-    flying = nominal.base_mode == "free_flying"
-    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
-    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
+    free_flying = nominal.base_mode == "free_flying"
+    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=free_flying))
+    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=free_flying))
     _check_recorded(experiment)
     return composition
 
@@ -174,7 +181,7 @@ def versions() -> dict[str, str]:
 
 
 def _check_recorded(experiment: Experiment) -> None:
-    """A recorded reference has a row for every tick up to its last; a gap would end the flight."""
+    """A recorded reference has a row for every tick up to its last; a gap would end the run."""
     spec = experiment.reference
     if spec.kind != "recorded":
         return
@@ -193,7 +200,7 @@ def _delay_warnings(experiment: Experiment, law: Law) -> Iterator[str]:
         yield f"{law.name or type(law).__qualname__} takes no account of nominal.delay_periods={known}"
 
 
-def _believed(experiment: Experiment) -> ModelSpec:
+def _nominal_spec(experiment: Experiment) -> ModelSpec:
     """What ``nominal`` says, with its payload where it says a fraction of the real one."""
     nominal, real = experiment.nominal, experiment.plant.payload
     if nominal.payload_known is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import redirect_stderr
 from dataclasses import dataclass
 from pathlib import Path
@@ -96,17 +96,32 @@ MANAGED = ("controller", "simulator")
 def make_graph(
     composition: Composition, directory: Path | RunDirectory, *, context: Context, realtime: float | None = None
 ) -> Graph:
-    """All nodes of a run in one context, brought up and ready to spin."""
-    made: dict[str, Any] = {
-        role: make_node(role, composition, directory, realtime=realtime, mode="graph", context=context, **LIGHT)
-        for role in ROLES
-    }
-    bring_up(made.values())
+    """All nodes of a run in one context, brought up and ready to spin.
+
+    Raises:
+        Exception: what a node failed with; no node is left, and the log, if there is one, says so.
+    """
+    made: dict[str, Any] = {}
+    try:
+        for role in ROLES:
+            options: dict[str, Any] = {"mode": "graph", "context": context, **LIGHT}
+            made[role] = make_node(role, composition, directory, realtime=realtime, **options)
+        bring_up(made.values())
+    except BaseException as error:
+        if "recorder" in made:
+            made["recorder"].finish(error.reason if isinstance(error, Interrupted) else f"not started: {error}")
+        _destroy(made.values())
+        raise
     return Graph(**made)
 
 
-def fly_graph(composition: Composition, directory: Path | RunDirectory, *, realtime: float | None, hooks: Hooks) -> str:
-    """Fly one run in graph mode and return the reason of its end."""
+def _destroy(nodes: Iterable[GraphNode]) -> None:
+    for node in nodes:
+        node.destroy_node()
+
+
+def run_graph(composition: Composition, directory: Path | RunDirectory, *, realtime: float | None, hooks: Hooks) -> str:
+    """Execute a run in graph mode and return the reason of its end."""
     with private_context() as context:
         graph = make_graph(composition, directory, context=context, realtime=realtime)
         try:
@@ -114,12 +129,11 @@ def fly_graph(composition: Composition, directory: Path | RunDirectory, *, realt
         finally:
             # Whatever happened above, what was recorded is closed and readable.
             graph.recorder.finish(graph.simulator.end_reason or "failed")
-            for node in graph.nodes:
-                node.destroy_node()
+            _destroy(graph.nodes)
 
 
 def spin_graph(graph: Graph, context: Context, hooks: Hooks) -> str:
-    """Spin until the run ends by itself or ``hooks.stop`` ends it; everything in flight is recorded first."""
+    """Spin until the run ends by itself or ``hooks.stop`` ends it; everything under way is recorded first."""
     executor = make_executor(context)
     for node in graph.nodes:
         executor.add_node(node)

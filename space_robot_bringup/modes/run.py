@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import Experiment
-from space_robot_bringup.judge.metrics import RunMetrics, measure
-from space_robot_bringup.judge.verdict import Check, check_end, check_ticks, judge
+from space_robot_bringup.judge.judging import Judge, log_block
+from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.verdict import Check, check_end
 from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks, Stopwatch
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.run_directory import GONE, RunDirectory
 from space_robot_msgs_py.log.writer import LogSink
@@ -60,10 +59,10 @@ def run_experiment(
     hooks: Hooks | None = None,
     policy: LawPolicy = TYPED,
 ) -> RunResult:
-    """Fly an experiment, log it and judge it from the log.
+    """Run an experiment, log it and judge it from the log.
 
     Args:
-        experiment: what to fly.
+        experiment: what to run.
         directory: where the bag goes.
         mode: how the objects are put together; it changes no bit of the log.
         realtime: simulated seconds per second; None: as fast as it goes. Not for headless.
@@ -71,7 +70,7 @@ def run_experiment(
         policy: whose code may be its laws.
 
     Raises:
-        SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was flown.
+        SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was run.
     """
     check_pace(mode, realtime)
     return run_composition(compose(experiment, policy), directory, mode=mode, realtime=realtime, hooks=hooks)
@@ -99,14 +98,14 @@ def run_composition(
     realtime: float | None = None,
     hooks: Hooks | None = None,
 ) -> RunResult:
-    """Fly what an experiment was composed to; everything else as ``run_experiment``."""
+    """Run a composed experiment; everything else as ``run_experiment``."""
     hooks = hooks or Hooks()
     for warning in composition.review().warnings:
         hooks.warn(warning)
     stopwatch = Stopwatch(hooks)
     # Locked until it is judged: what is judged is what was written.
     with RunDirectory(Path(directory)) as place:
-        reason = _fly(composition, place, mode, realtime, stopwatch.hooks)
+        reason = _execute(composition, place, mode, realtime, stopwatch.hooks)
         if not place.holds_path() and reason == "completed":
             reason = f"recorder: {place.bag}: {GONE}"
         hooks.on_end(reason)
@@ -118,14 +117,16 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
 
     Args:
         directory: of the run.
-        composition: that was flown.
+        composition: of the run.
         reason: of the end, as the run said it; the log's own counts where it has one.
         wall_time: [s].
     """
     try:
         # Resolved as the writer did: `a/../b` is a place even where there is no `a`.
-        reader = LogReader(directory.resolve())
-        ticks, logged = list(reader.ticks()), reader.end_reason
+        reader, judging = LogReader(directory.resolve()), Judge(composition)
+        for block in reader.blocks():
+            judging.add(log_block(block))
+        logged = reader.end_reason
     except SpaceRobotError as error:
         reason = f"recorder: {error}" if reason == "completed" else reason
         return RunResult(directory, reason, None, (check_end(reason),), wall_time)
@@ -133,7 +134,7 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
         reason = "truncated" if logged is None else logged
     elif logged not in (None, "completed"):
         reason = str(logged)
-    metrics, checks = judge_ticks(ticks, composition, reason, Lacks(reader, composition))
+    metrics, checks = judging.verdict(reason, Lacks(reader, composition))
     return RunResult(directory, reason, metrics, checks, wall_time)
 
 
@@ -161,34 +162,9 @@ class Lacks:
         return f"has no {', no '.join(absent)}" if absent else ""
 
 
-def judge_ticks(
-    ticks: Sequence[Tick], composition: Composition, reason: str, lacks: Callable[[int], str] = lambda tick: ""
-) -> tuple[RunMetrics | None, tuple[Check, ...]]:
-    """Metrics and verdict of a run; no metrics where no tick was completed.
-
-    Args:
-        ticks: the complete ones.
-        composition: that was flown.
-        reason: of the end.
-        lacks: says what a tick lacks that is not complete.
-    """
-    experiment = composition.experiment
-    whole = check_ticks([tick.stamp for tick in ticks], experiment.steps, experiment.period, lacks)
-    if not ticks:
-        return None, (check_end(reason), whole)
-    flying = composition.nominal.base_mode == "free_flying"
-    metrics = measure(
-        ticks,
-        composition.joint_names,
-        base_translation=flying,
-        prismatic=composition.nominal.prismatic,
-        bands=experiment.settling_bands,
-    )
-    ended, *others = judge(metrics, experiment.expect, reason)
-    return metrics, (ended, whole, *others)
-
-
-def _fly(composition: Composition, directory: RunDirectory, mode: Mode, realtime: float | None, hooks: Hooks) -> str:
+def _execute(
+    composition: Composition, directory: RunDirectory, mode: Mode, realtime: float | None, hooks: Hooks
+) -> str:
     if mode == "headless":
         # The log last: what cannot be made leaves none behind.
         plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
@@ -205,8 +181,8 @@ def _fly(composition: Composition, directory: RunDirectory, mode: Mode, realtime
         )
     try:
         # Only here: everything else works on a machine without ROS.
-        from space_robot_bringup.modes.graph import fly_graph
-        from space_robot_bringup.modes.processes import fly_processes
+        from space_robot_bringup.modes.graph import run_graph
+        from space_robot_bringup.modes.processes import run_processes
     except ImportError as error:
         raise SpecError(
             f"needs ROS 2 Jazzy ({error})",
@@ -214,5 +190,5 @@ def _fly(composition: Composition, directory: RunDirectory, mode: Mode, realtime
             value=mode,
             accepted="headless, or install space-robot[ros], or source a Jazzy",
         ) from None
-    fly = fly_graph if mode == "graph" else fly_processes
-    return fly(composition, directory, realtime=realtime, hooks=hooks)
+    start = run_graph if mode == "graph" else run_processes
+    return start(composition, directory, realtime=realtime, hooks=hooks)

@@ -1,4 +1,4 @@
-"""What was done to a controller in flight, done again to a fresh one."""
+"""Applies recorded parameter changes and switches to a fresh controller."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
 
 
-def happen(law: Law, event: ControllerEvent) -> None:
+def apply_event(law: Law, event: ControllerEvent) -> None:
     """Change a law as an event says it was changed; the law tells of it in its next output.
 
     Args:
@@ -53,5 +53,5 @@ class Repeated:
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer one state, changed as the events of its stamp say."""
         for event in self._events.get(state.stamp, ()):
-            happen(self._law, event)
+            apply_event(self._law, event)
         return self._law.update(state, reference)

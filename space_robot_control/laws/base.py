@@ -14,6 +14,7 @@ import numpy.typing as npt
 from space_robot_control.command_delay import CommandDelay
 from space_robot_control.laws.tunable import Tunable
 from space_robot_control.tracking import prepare
+from space_robot_control.wheel_momentum import WheelMomentum
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import CommandError, ControlError, NonFiniteError, SpecError
@@ -57,6 +58,9 @@ class Law(Tunable, ABC):
     function of the states and references since the last ``reset``, of what ``tune`` changed between them, and of
     nothing else.
 
+    Attributes:
+        wheels: momentum of the nominal wheels at the stamp of the state, dead-reckoned from the applied commands.
+
     Args:
         robot: the NOMINAL robot; a law never sees the true one.
         control_period: time between two updates [s].
@@ -95,6 +99,7 @@ class Law(Tunable, ABC):
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
         self._sent = CommandDelay(robot.command_delay, none=False)
+        self.wheels = WheelMomentum(robot)
         prepare()
 
     @classmethod
@@ -130,6 +135,7 @@ class Law(Tunable, ABC):
         """
         self._layout = None
         self._sent.reset()
+        self.wheels = WheelMomentum(self.robot)
         self.restart_events()
 
     def reset_in_run(self) -> None:
@@ -140,6 +146,12 @@ class Law(Tunable, ABC):
     def resume(self) -> None:
         """Get ready to control after states that another law controlled; by default like the first of a run."""
         self.reset()
+
+    def take_over(self) -> None:
+        """``resume``, but the wheels go on turning."""
+        wheels = self.wheels
+        self.resume()
+        self.wheels = wheels
 
     def health(self) -> Mapping[str, float]:
         """Condition of an estimator in numbers, for diagnostics; computed only on demand."""
@@ -158,6 +170,11 @@ class Law(Tunable, ABC):
         """
         del command, own
 
+    def note_applied(self, command: Command, *, own: bool) -> None:
+        """Let the wheels take up what acts from now on, then call ``on_applied``; for what calls ``control``."""
+        self.wheels.apply(command.u, self.control_period)
+        self.on_applied(command, own=own)
+
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Return command and telemetry for one state, of the same stamp; the command is taken as sent.
 
@@ -167,11 +184,11 @@ class Law(Tunable, ABC):
         """
         output = self.control(state, reference)
         command, own = self._sent.acting(output.command, True)
-        self.on_applied(command, own=own)
+        self.note_applied(command, own=own)
         return output
 
     def control(self, state: RobotState, reference: Reference) -> ControlOutput:
-        """``update`` without ``on_applied``, for a caller that may apply another command.
+        """``update`` without ``note_applied``, for a caller that may apply another command.
 
         Raises:
             CommandError: state or reference does not fit the robot or each other.

@@ -43,7 +43,7 @@ class Switching(Law):
     Raises:
         SpecError: fewer than two laws, or a switch to a law that is not there.
 
-    Deviations from the paper: there is no paper, the fading bump is ours. Bumpless transfer in general: Zaccarian
+    Deviations from the paper: there is no paper, the fading bump is added. Bumpless transfer in general: Zaccarian
     and Teel, "A common framework for anti-windup, bumpless transfer and reliable designs", Automatica 38(10), 2002.
     """
 
@@ -154,7 +154,7 @@ class Switching(Law):
             command = Command(state.stamp, u[:6], u[6:])
         acting, owner = self._line.acting(command, None if weight else law)
         for other in self._laws.values():
-            other.on_applied(acting, own=other is owner)
+            other.note_applied(acting, own=other is owner)
         self._last = u
         shown = {label: block for label, block in output.telemetry.items() if label in self._labels[self._active]}
         return u, {
@@ -175,7 +175,7 @@ class Switching(Law):
             return False
         self.add_event("switch", {"from": self._active, "to": target})
         self._active = target
-        self._laws[target].resume()
+        self._laws[target].take_over()
         return True
 
     def _weight(self, stamp: int) -> float:

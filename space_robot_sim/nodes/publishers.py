@@ -27,8 +27,8 @@ class Publishers:
 
     def __init__(self, node: GraphNode, topics: Iterable[Topic]) -> None:
         self._node = node
-        # How many publishers each process has; their names come later and change nothing.
-        self._known = {topic: Counter[bytes]() for topic in topics}
+        # Nodes with their processes: one that is configured anew has two publishers for a moment.
+        self._known = {topic: frozenset[tuple[str, bytes]]() for topic in topics}
         self._unnamed: Counter[Topic] = Counter()
 
     def changes(self) -> list[tuple[Topic, list[str]]]:
@@ -40,16 +40,13 @@ class Publishers:
         found = []
         for topic, before in self._known.items():
             endpoints = self._node.get_publishers_info_by_topic(topic.name)
-            now = Counter(bytes(one.endpoint_gid[:PROCESS_BYTES]) for one in endpoints)
+            now = frozenset((full_name(one), bytes(one.endpoint_gid[:PROCESS_BYTES])) for one in endpoints)
             # One that is gone may be replaced later: it is remembered until then.
-            if not now or now == before:
-                continue
-            news = now.total() > 1 or (before and not now <= before)
-            if news and self._waits_for_names(topic, endpoints):
+            if not now or now == before or self._waits_for_names(topic, endpoints):
                 continue
             self._known[topic] = now
-            if news:
-                found.append((topic, sorted(full_name(one) for one in endpoints)))
+            if len(now) > 1 or (before and not now <= before):
+                found.append((topic, sorted(name for name, _ in now)))
         return found
 
     def _waits_for_names(self, topic: Topic, endpoints: Iterable[TopicEndpointInfo]) -> bool:

@@ -19,7 +19,7 @@ from space_robot_studies.campaign.spec import Campaign, campaign_path, load_camp
 from space_robot_studies.compare.comparison import Comparison, law_key, side_by_side
 from space_robot_studies.compare.cost import costs_of
 from space_robot_studies.engine.hooks import StudyHooks
-from space_robot_studies.engine.storage import guarded
+from space_robot_studies.engine.storage import check_place, guarded
 from space_robot_studies.engine.tasks import TIME_LIMIT
 from space_robot_studies.engine.workers import check_workers, open_workers
 
@@ -60,22 +60,14 @@ def compare(
     time_limit: float = TIME_LIMIT,
     hooks: StudyHooks | None = None,
 ) -> ComparisonResult:
-    """Run campaigns that vary the law, and put what each law did side by side.
-
-    Args:
-        campaigns: shipped names or YAML files.
-        directory: new or empty, or to resume.
-        runs: per point of the grid; None: what the files say.
-        workers: number of processes; None: one per core.
-        resume: go on with what is in the directory.
-        time_limit: [s] of CPU time of a run; ten times as much may elapse.
-        hooks: progress and early end.
+    """Run campaigns into a directory and put their laws side by side; options as of ``space_robot.compare``.
 
     Raises:
         SpaceRobotError: something is wrong with the input; nothing was written.
     """
     hooks, place = hooks or StudyHooks(), Path(directory)
     check_workers(workers, None, time_limit)
+    check_place(place, "a new or empty directory, or one to resume")
     found = load_compared(campaigns, runs)
     for name, campaign in found.items():
         check_directory(place / name, campaign, resume=resume)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.metrics import metric_names
-from space_robot_control.laws.registry import BUILT_IN
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_studies.engine.local_workers import LocalWorkers
@@ -27,7 +26,7 @@ class Words:
 
     metrics: tuple[str, ...]
     signals: tuple[str, ...]
-    law_tells: bool
+    law_labels: bool
 
 
 class Vocabulary:
@@ -68,6 +67,9 @@ class Vocabulary:
         self._of_run[run.distinct.name] = self._of_content[content]
 
     def _learn(self, experiment: Experiment) -> Words:
+        # Only here: the page of a log, which takes its headings from this package, needs no law and no compiler.
+        from space_robot_control.laws.registry import BUILT_IN
+
         if set(experiment.controller.law_names) <= set(BUILT_IN):
             return words_of(experiment)
         if self._workers is None:
@@ -103,7 +105,7 @@ class Vocabulary:
         """
         for run in runs:
             words = self._of_run[run.distinct.name]
-            if words.law_tells or not name.startswith(LAW_SIGNALS):
+            if words.law_labels or not name.startswith(LAW_SIGNALS):
                 _check("signal", name, words.signals, run, key)
 
 
@@ -115,10 +117,10 @@ def words_of(experiment: Experiment, answered: bool = True) -> Words:
         answered: the law answers the first state, to show its telemetry.
     """
     composition = compose(experiment)
-    flying = composition.nominal.base_mode == "free_flying"
-    metrics = metric_names(composition.joint_names, base_translation=flying)
-    signals, law_tells = signal_names(composition, answered=answered)
-    return Words((*OUTCOMES, *metrics), tuple(signals), law_tells)
+    free_flying = composition.nominal.base_mode == "free_flying"
+    metrics = metric_names(composition.joint_names, base_translation=free_flying)
+    signals, law_labels = signal_names(composition, answered=answered)
+    return Words((*OUTCOMES, *metrics), tuple(signals), law_labels)
 
 
 def _check(kind: str, name: str, names: Collection[str], run: PlannedRun, key: str) -> None:

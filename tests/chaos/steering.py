@@ -29,7 +29,7 @@ from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_sim.nodes.recorder import AHEAD_IN_ONE_PROCESS
-from tests.support.harness import Flight, flight
+from tests.support.harness import RunningGraph, running_graph
 from tests.support.replays import replayed
 
 STEPS, PERIOD = 24, 0.25
@@ -87,9 +87,9 @@ def make_case(seed: int, index: int) -> Case:
 
 @dataclass
 class Driver:
-    """Does the actions to a flight."""
+    """Does the actions to a running graph."""
 
-    robot: Flight
+    robot: RunningGraph
     paced: bool
     clients: dict[str, Any] = field(default_factory=dict)
     asked: list[Any] = field(default_factory=list)
@@ -197,7 +197,7 @@ def fly_case(case: Case, folder: Path) -> None:
     Raises:
         AssertionError: something stands still, or a log is not what it should be.
     """
-    with flight(folder / "run", *OVERRIDES, realtime=SLOWER if case.paced else None, services=True) as robot:
+    with running_graph(folder / "run", *OVERRIDES, realtime=SLOWER if case.paced else None, services=True) as robot:
         robot.recorder._ahead = case.ahead
         driver = Driver(robot, case.paced)
         for action, number in case.actions:

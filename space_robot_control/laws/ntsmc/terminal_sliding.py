@@ -119,6 +119,7 @@ class TerminalSliding(Law):
         disturbance = self.observer.update(state.v)
         acceleration = self._acceleration(state, rotation, errors.feedforward, terms) - disturbance
         u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, acceleration)
+        self._add_wheels(u, state)
         saturated = not self.limits.fits(u)
         blocks = {
             **error_blocks(errors),
@@ -166,6 +167,10 @@ class TerminalSliding(Law):
         out[3:6] = self.angular(state, turned)
         return out
 
+    def _add_wheels(self, u: Vector, state: RobotState) -> None:
+        if self.gains.gyroscopic and self.wheels.present:
+            u[3:6] += self.wheels.torque(state.v[3:6])
+
     def _within_limits(self, state: RobotState, u: Vector) -> Vector:
         """The command within the nominal limits; C0 is the u of x'' = 0."""
         if self.gains.saturation == "per_axis":
@@ -174,4 +179,5 @@ class TerminalSliding(Law):
         still[:3] = cross(v[:3], v[3:])
         still[3:6] = self.angular(state, np.zeros(3))
         bias, _ = self.model.actuated_inverse_dynamics(state.q, state.v, still)
+        self._add_wheels(bias, state)
         return self.limits.direction_preserving(u, bias)

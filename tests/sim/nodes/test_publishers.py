@@ -33,7 +33,15 @@ class Graph:
 def test_a_name_that_is_discovered_later_is_no_change() -> None:
     """The first publisher, its name, its end, its life cycle and its return are no news."""
     graph = Graph()
-    for shown in ([], [endpoint(1, UNNAMED)], [endpoint(1, "controller")], [], [endpoint(1, "controller", 7)]):
+    again = endpoint(1, "controller", 7)
+    for shown in (
+        [],
+        [endpoint(1, UNNAMED)],
+        [endpoint(1, "controller")],
+        [endpoint(1, "controller"), again],
+        [],
+        [again],
+    ):
         assert graph.changes(*shown) == []
 
 

@@ -16,7 +16,7 @@ from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from tests.chaos.steering import failure_of
-from tests.support.harness import Flight, flight
+from tests.support.harness import RunningGraph, running_graph
 from tests.support.replays import replayed
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -31,7 +31,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
     return list(LogReader(place).messages())
 
 
-def trigger(robot: Flight, name: str) -> Any:
+def trigger(robot: RunningGraph, name: str) -> Any:
     client = robot.stranger.create_client(Trigger, f"simulator/{name}")
     robot.spin_until(client.service_is_ready, f"service {name}")
     future = client.call_async(Trigger.Request())
@@ -39,7 +39,7 @@ def trigger(robot: Flight, name: str) -> Any:
     return future.result()
 
 
-def stand(robot: Flight, tick: int) -> None:
+def stand(robot: RunningGraph, tick: int) -> None:
     """Bring the run to a state that has its answer."""
     robot.simulator.pause(True)
     while robot.await_answer() < tick:
@@ -48,7 +48,7 @@ def stand(robot: Flight, tick: int) -> None:
         robot.spin_until(lambda reached=reached: robot.simulator.tick > reached, "a step")
 
 
-def finish(robot: Flight) -> None:
+def finish(robot: RunningGraph) -> None:
     """Let the run go on to its end."""
     robot.simulator.pause(False)
     robot.spin_until(lambda: robot.recorder.end_reason, "the end of the run")
@@ -56,7 +56,7 @@ def finish(robot: Flight) -> None:
     robot.recorder.finish("completed")
 
 
-def managed(robot: Flight, name: str) -> ManagedNode:
+def managed(robot: RunningGraph, name: str) -> ManagedNode:
     node = robot.nodes[name]
     assert isinstance(node, ManagedNode)
     return node
@@ -67,7 +67,7 @@ def test_a_late_reset_while_paused_and_twice_starts_the_run_again(
     ahead: int, tmp_path: Path, undisturbed: list[Any]
 ) -> None:
     """However much credit the old run had, the new one goes to its end, and both logs are what they should be."""
-    with flight(tmp_path / "run", SHORT) as robot:
+    with running_graph(tmp_path / "run", SHORT) as robot:
         robot.recorder._ahead = ahead
         stand(robot, STEPS - 3)
         robot.simulator.step_once()
@@ -89,7 +89,7 @@ def test_a_late_reset_while_paused_and_twice_starts_the_run_again(
 
 def test_a_reset_before_the_first_step_and_after_the_end_moves_nothing(tmp_path: Path, undisturbed: list[Any]) -> None:
     """At tick 0 there is nothing to go back from; a run that is over is refused, with the reason."""
-    with flight(tmp_path / "run", SHORT) as robot:
+    with running_graph(tmp_path / "run", SHORT) as robot:
         robot.simulator.pause(True)
         assert trigger(robot, "reset").success
         robot.await_answer()
@@ -104,7 +104,7 @@ def test_a_reset_before_the_first_step_and_after_the_end_moves_nothing(tmp_path:
 
 def test_a_controller_configured_anew_keeps_its_tuned_gains_and_says_so(tmp_path: Path) -> None:
     """What was tuned is in force after cleanup and configure; the log has it, and a replay gives the same bits."""
-    with flight(tmp_path / "run", SHORT, "controller.gains.update=rls") as robot:
+    with running_graph(tmp_path / "run", SHORT, "controller.gains.update=rls") as robot:
         stand(robot, 5)
         controller = managed(robot, "controller")
         (result,) = controller.set_parameters([Parameter("gains.kappa", value=0.5)])
@@ -127,8 +127,8 @@ def test_a_controller_configured_anew_keeps_its_tuned_gains_and_says_so(tmp_path
 def test_a_simulator_configured_anew_keeps_its_pace_and_waits_for_its_recorder(
     tmp_path: Path, undisturbed: list[Any]
 ) -> None:
-    """A run in flight ends with the reason reset, and the new one is whole."""
-    with flight(tmp_path / "run", SHORT, realtime=0.001) as robot:
+    """The run that was under way ends with the reason reset, and the new one is whole."""
+    with running_graph(tmp_path / "run", SHORT, realtime=0.001) as robot:
         simulator = managed(robot, "simulator")
         for _ in range(8):
             robot.await_answer()

@@ -32,7 +32,7 @@ from space_robot_msgs_py.topics import (
     WRENCH_COMMAND,
     Topic,
 )
-from tests.support.harness import Flight, flight
+from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 SHORT = "duration=5.0"
@@ -126,13 +126,13 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, int
     return list(LogReader(place).messages())
 
 
-def controller_of(robot: Flight) -> ControllerNode:
+def controller_of(robot: RunningGraph) -> ControllerNode:
     node = robot.nodes["controller"]
     assert isinstance(node, ControllerNode)
     return node
 
 
-def stand_unanswered(robot: Flight) -> None:
+def stand_unanswered(robot: RunningGraph) -> None:
     """Bring the run to a state that waits for its answer."""
     robot.simulator.pause(True)
     for tick in range(AT):
@@ -144,13 +144,13 @@ def stand_unanswered(robot: Flight) -> None:
     robot.settle()
 
 
-def refused(robot: Flight) -> int:
+def refused(robot: RunningGraph) -> int:
     """How many messages were refused."""
     nodes = robot.nodes.values()
     return sum(sum(node.refusals.values()) for node in nodes) + sum(robot.simulator.commands.counts.values())
 
 
-def go_on(robot: Flight) -> None:
+def go_on(robot: RunningGraph) -> None:
     """Let the run go on to its end."""
     robot.simulator.pause(False)
     if not controller_of(robot).active:
@@ -171,12 +171,12 @@ def test_a_stray_message_is_refused_and_changes_nothing(
     name: str, tmp_path: Path, undisturbed: list[tuple[str, int, bytes]]
 ) -> None:
     """The run completes in one log with the bits of an undisturbed one; strays are counted where they do not fit."""
-    with flight(tmp_path / "run", SHORT) as robot:
+    with running_graph(tmp_path / "run", SHORT) as robot:
         stand_unanswered(robot)
         for stray, (topic, make) in STRAYS.items():
             if topic.name == name:
                 before = refused(robot)
-                robot.say(topic, make())
+                robot.publish(topic, make())
                 robot.settle()
                 assert robot.simulator.tick == AT, stray
                 assert (refused(robot) > before) is (stray not in HARMLESS), stray

@@ -24,22 +24,22 @@ from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_COMMAND, WRENCH_COMMAND
 from tests.sim.nodes.test_strays import AT, PERIOD, SHORT, controller_of, go_on, stand_unanswered
-from tests.support.harness import Flight, flight
+from tests.support.harness import RunningGraph, running_graph
 from tests.support.replays import assert_equal, replayed
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 EFFORT = 0.001
 
 
-def foreign(robot: Flight, stamp: int, effort: float = EFFORT) -> tuple[bytes, ...]:
+def foreign(robot: RunningGraph, stamp: int, effort: float = EFFORT) -> tuple[bytes, ...]:
     """A whole command of a stranger, which knows of no marks."""
     n = len(robot.composition.joint_names)
     return CommandCodec(robot.composition.joint_names).encode(Command(stamp, np.zeros(6), np.full(n, effort)))
 
 
-def say(robot: Flight, parts: tuple[bytes, ...]) -> None:
-    robot.say(WRENCH_COMMAND, parts[0])
-    robot.say(JOINT_COMMAND, parts[1])
+def publish(robot: RunningGraph, parts: tuple[bytes, ...]) -> None:
+    robot.publish(WRENCH_COMMAND, parts[0])
+    robot.publish(JOINT_COMMAND, parts[1])
 
 
 def ticks_of(place: Path) -> list[Tick]:
@@ -73,9 +73,9 @@ def events(place: Path) -> list[dict[str, Any]]:
 
 def test_half_a_command_of_a_stranger_is_no_half_of_a_command(tmp_path: Path) -> None:
     """A valid half that waits for its other half does not become part of the controller's command, nor of its log."""
-    with flight(tmp_path / "run", SHORT) as robot:
+    with running_graph(tmp_path / "run", SHORT) as robot:
         stand_unanswered(robot)
-        robot.say(JOINT_COMMAND, foreign(robot, AT * PERIOD)[1])
+        robot.publish(JOINT_COMMAND, foreign(robot, AT * PERIOD)[1])
         robot.settle()
         go_on(robot)
     assert is_foreign(ticks_of(tmp_path / "run")[AT]) == (False, False)
@@ -93,18 +93,18 @@ def test_half_a_command_of_a_stranger_is_no_half_of_a_command(tmp_path: Path) ->
 
 def test_the_first_valid_answer_to_a_state_acts_and_is_recorded(tmp_path: Path) -> None:
     """An invalid answer uses nothing up, of two valid ones the first acts, and a late other one is not recorded."""
-    with flight(tmp_path / "run", SHORT) as robot:
+    with running_graph(tmp_path / "run", SHORT) as robot:
         stand_unanswered(robot)
-        say(robot, poisoned(foreign(robot, AT * PERIOD)))
+        publish(robot, poisoned(foreign(robot, AT * PERIOD)))
         robot.settle()
         assert robot.simulator.commands.counts["invalid"] == 1
         # The recorder hears all of what follows after the simulator, in another order.
         robot.executor.remove_node(robot.recorder)
-        say(robot, foreign(robot, AT * PERIOD))
+        publish(robot, foreign(robot, AT * PERIOD))
         robot.spin_until(lambda: robot.simulator.commands.answered, "the stranger's answer")
         controller_of(robot).trigger_activate()
         robot.settle()
-        say(robot, foreign(robot, AT * PERIOD, 2 * EFFORT))
+        publish(robot, foreign(robot, AT * PERIOD, 2 * EFFORT))
         robot.executor.add_node(robot.recorder)
         robot.settle()
         go_on(robot)
@@ -122,7 +122,7 @@ def poisoned(parts: tuple[bytes, ...]) -> tuple[bytes, ...]:
 class Overheard:
     """All commands that anything published, by stamp and mark."""
 
-    def __init__(self, robot: Flight) -> None:
+    def __init__(self, robot: RunningGraph) -> None:
         self._codec = CommandCodec(robot.composition.joint_names)
         self._marks = SenderMark(self._codec.layouts)
         self.parts: dict[tuple[int, bytes], dict[int, list[bytes]]] = {}
@@ -142,13 +142,13 @@ class Overheard:
 @pytest.mark.parametrize("shipped", [True, False])
 def test_two_controllers_never_make_one_command(shipped: bool, tmp_path: Path) -> None:
     """With a second one that answers every state the run completes, every command is one controller's, and recorded."""
-    with flight(tmp_path / "run", SHORT) as robot:
+    with running_graph(tmp_path / "run", SHORT) as robot:
         robot.simulator.pause(True)
         overheard = Overheard(robot)
         if shipped:
             second = second_controller(robot)
         else:
-            robot.stranger.listen(BASE_ODOM, lambda raw: say(robot, foreign(robot, peek_stamp(raw))))
+            robot.stranger.listen(BASE_ODOM, lambda raw: publish(robot, foreign(robot, peek_stamp(raw))))
         robot.await_answer()
         robot.simulator.pause(False)
         robot.spin_until(lambda: robot.recorder.end_reason, "the end of the run")
@@ -166,7 +166,7 @@ def test_two_controllers_never_make_one_command(shipped: bool, tmp_path: Path) -
     assert found["base/wrench_command"] == found["joint_command"] == names
 
 
-def second_controller(robot: Flight) -> ControllerNode:
+def second_controller(robot: RunningGraph) -> ControllerNode:
     """A shipped controller beside the one of the run, with another gain."""
     node = ControllerNode(
         robot.composition.controller, robot.composition.joint_names, name="second", context=robot.context, **LIGHT
@@ -179,7 +179,7 @@ def second_controller(robot: Flight) -> ControllerNode:
 
 def test_a_run_in_lock_step_refuses_nothing(tmp_path: Path) -> None:
     """A controller that is held, and one that is configured anew, answer each state once; no answer is stale."""
-    with flight(tmp_path / "run", SHORT) as robot:
+    with running_graph(tmp_path / "run", SHORT) as robot:
         overheard = Overheard(robot)
         stand_unanswered(robot)
         controller = controller_of(robot)
@@ -198,14 +198,14 @@ def test_an_answer_that_comes_twice_is_refused_without_a_word(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     """Stamps that were answered stay answered: the same again is counted, and only another answer is logged."""
-    with flight(tmp_path / "run", SHORT, roles=("recorder", "guidance", "simulator")) as robot:
-        say(robot, foreign(robot, 0))
+    with running_graph(tmp_path / "run", SHORT, roles=("recorder", "guidance", "simulator")) as robot:
+        publish(robot, foreign(robot, 0))
         robot.spin_until(lambda: robot.simulator.tick == 1, "the first step")
-        say(robot, foreign(robot, 0))
+        publish(robot, foreign(robot, 0))
         robot.settle()
         assert robot.simulator.commands.counts["stale"] == 2
         assert "as stale" not in capfd.readouterr().err
-        say(robot, foreign(robot, 0, 2 * EFFORT))
+        publish(robot, foreign(robot, 0, 2 * EFFORT))
         robot.settle()
         assert (
             "as stale: stamp 0 ns is older than the state at 250000000 ns; published by /stranger"
@@ -215,12 +215,12 @@ def test_an_answer_that_comes_twice_is_refused_without_a_word(
 
 def test_a_late_command_of_an_answered_period_does_not_act_again(tmp_path: Path) -> None:
     """Paced: of late commands the newest acts, and none of a period that had its command."""
-    with flight(tmp_path / "run", SHORT, roles=("recorder", "guidance", "simulator"), realtime=0.001) as robot:
+    with running_graph(tmp_path / "run", SHORT, roles=("recorder", "guidance", "simulator"), realtime=0.001) as robot:
         robot.spin_until(lambda: robot.simulator.started, "the start")
         applied = []
         for tick, said in enumerate([((0, 1.0),), ((0, 2.0),), ((2, 3.0), (1, 4.0)), ((2, 5.0),)]):
             for stamp, factor in said:
-                say(robot, foreign(robot, stamp * PERIOD, factor * EFFORT))
+                publish(robot, foreign(robot, stamp * PERIOD, factor * EFFORT))
             robot.settle()
             robot.simulator._on_period()
             sample = robot.simulator.sample

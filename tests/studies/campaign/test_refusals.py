@@ -116,7 +116,9 @@ def write(folder: Path, change: str = "") -> None:
 
 
 @pytest.mark.parametrize(("change", "words"), list(REFUSED.values()), ids=list(REFUSED))
-def test_a_file_that_cannot_be_flown(space_robot: Tool, tmp_path: Path, change: str, words: tuple[str, ...]) -> None:
+def test_a_campaign_that_cannot_run_is_refused(
+    space_robot: Tool, tmp_path: Path, change: str, words: tuple[str, ...]
+) -> None:
     """Each mistake is named with its key and what would do, before any worker starts or anything is written."""
     write(tmp_path, change)
     refused(space_robot("campaign", "campaign.yaml", "--out", "out"), *words)
@@ -190,7 +192,9 @@ def test_without_dask_a_scheduler_is_refused(
     ],
     ids=" ".join,
 )
-def test_a_run_that_is_not_said_or_said_twice(space_robot: Tool, tmp_path: Path, arguments: tuple[str, ...]) -> None:
+def test_run_needs_either_an_experiment_or_a_case(
+    space_robot: Tool, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
     """A run is an experiment, or a directory with an index."""
     refused(space_robot("run", *arguments), "run", "--from DIR with --index K")
 
@@ -229,8 +233,8 @@ def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     write(tmp_path)
     spec, out = load_campaign(str(tmp_path / "campaign.yaml")), tmp_path / "out"
     with open_campaign(out, spec, {"pin": "1"}, 9.0) as book:
-        book.append(Row(0, {"passed": True}), {"a.mcap": b"bag"})
-        book.append(Row(1, {"passed": False}, lost=True), {})
+        book.append(Row(0, columns(0, passed=True)), {"a.mcap": b"bag"})
+        book.append(Row(1, columns(1, passed=False), lost=True), {})
         with pytest.raises(SpecError, match="another process"), open_campaign(out, spec, {"pin": "1"}, 9.0):
             pass
     with pytest.raises(SpecError, match="begun with pin 1"), open_campaign(out, spec, {"pin": "2"}, 9.0):
@@ -243,6 +247,9 @@ def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     with open_campaign(out, spec, {"pin": "1"}, 9.0) as book:
         assert book.rows.keys() == {0}
     assert (out / "rows.jsonl").read_text() == rows
+    (out / "rows.jsonl").write_text(rows.replace('"ticks": 5', '"ticks": "5"'))
+    with pytest.raises(LogError, match=r"line 2 is corrupted .*ticks"), open_campaign(out, spec, {"pin": "1"}, 9.0):
+        pass
     (out / "rows.jsonl").write_text(rows.replace("key", "kay"))
     with pytest.raises(LogError, match="line 2 is corrupted"), open_campaign(out, spec, {"pin": "1"}, 9.0):
         pass

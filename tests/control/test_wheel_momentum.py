@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from space_robot_control.laws.adaptive.wheels import WheelMomentum
+from space_robot_control.wheel_momentum import WheelMomentum
 from space_robot_description import Robot, load_robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py import Command

@@ -6,6 +6,7 @@ import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
 from space_robot_description.robot import Robot
+from space_robot_description.rotations import cross
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
 
@@ -19,17 +20,20 @@ class WheelMomentum:
 
     Args:
         robot: the NOMINAL robot.
-        known: false: the law neglects the wheels' momentum, h = 0.
 
     Attributes:
+        present: whether there are wheels.
         momentum: (3,) h at the present stamp [N m s].
+        middle: (3,) h in the middle of the period that ``apply`` was last called for [N m s].
     """
 
-    def __init__(self, robot: Robot, *, known: bool = True) -> None:
+    def __init__(self, robot: Robot) -> None:
         wheels = robot.actuators.base_torque
+        self.present = isinstance(wheels, ReactionWheels)
         self.momentum: Vector = np.zeros(3)
+        self.middle: Vector = self.momentum
         self._stored = np.zeros(0)
-        if not (known and isinstance(wheels, ReactionWheels)):
+        if not isinstance(wheels, ReactionWheels):
             return
         self._limits, self._capacity, self._torque = CommandLimits(robot), wheels.momentum, wheels.torque
         self._preserve = robot.actuators.saturation == "direction_preserving"
@@ -41,10 +45,14 @@ class WheelMomentum:
             self._stored = np.array(wheels.initial_momentum)
             self.momentum = self._stored @ axes
 
-    def apply(self, u: Vector, seconds: float) -> Vector:
-        """Integrate the command u (6+n,) [N, N m] that acts over a time [s]; returns h (3,) in the middle of it."""
-        if not self._stored.size:
-            return self.momentum
+    def torque(self, omega: Vector) -> Vector:
+        """Return omega x h (3,), what a base that turns at omega (3,) [rad/s] needs beside M a + c [N m]."""
+        return np.array(cross(omega.tolist(), self.momentum.tolist()))
+
+    def apply(self, u: Vector, seconds: float) -> None:
+        """Integrate the command u (6+n,) [N, N m] that acts over a time [s]."""
+        if not self.present:
+            return
         fits = self._limits.fits(u)
         rates = -self._share @ u[3:6]
         if not fits:
@@ -54,13 +62,12 @@ class WheelMomentum:
         full = np.abs(filled) > self._capacity
         if fits and not full.any():
             # The same sum without the detour over the wheels: its rounding is part of every log.
-            middle: Vector = self.momentum - half * u[3:6]
-            self._stored, self.momentum = filled, middle - half * u[3:6]
-            return middle
-        middle = self._within(self._stored + half * rates) @ self._axes
+            self.middle = self.momentum - half * u[3:6]
+            self._stored, self.momentum = filled, self.middle - half * u[3:6]
+            return
+        self.middle = self._within(self._stored + half * rates) @ self._axes
         self._stored = self._within(filled)
         self.momentum = self._stored @ self._axes
-        return middle
 
     def _within(self, stored: Vector) -> Vector:
         return np.clip(stored, -self._capacity, self._capacity)
