@@ -9,7 +9,15 @@ from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
+from pydantic import (
+    Field,
+    NonNegativeFloat,
+    NonNegativeInt,
+    PositiveFloat,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 from ruamel.yaml.scalarstring import LiteralScalarString
@@ -60,6 +68,11 @@ class NominalSpec(ModelSpec):
     delay_periods: Literal[0, 1] = Field(
         default=0, description="a command acts in the period of its state, or the next, as far as the laws know"
     )
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # The log of a run whose laws assume no delay is, to the byte, what it was before they could.
+        return {key: value for key, value in handler(self).items() if key != "delay_periods" or value}
 
     @model_validator(mode="after")
     def _one_payload(self) -> Self:

@@ -196,7 +196,7 @@ def test_run_needs_either_an_experiment_or_a_case(
     space_robot: Tool, tmp_path: Path, arguments: tuple[str, ...]
 ) -> None:
     """A run is an experiment, or a directory with an index."""
-    refused(space_robot("run", *arguments), "run", "--from DIR with --index K")
+    refused(space_robot("run", *arguments), "run", "EXPERIMENT or --from DIR --index K")
 
 
 def test_a_directory_of_another_campaign_is_left_alone(space_robot: Tool, tmp_path: Path) -> None:
