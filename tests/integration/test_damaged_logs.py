@@ -107,7 +107,7 @@ def test_the_tool_recovers_and_says_what_is_lost(space_robot: Tool, forms: tuple
         assert words in done.stdout
     assert space_robot("replay", "bad_recovered").returncode == 0
     said = space_robot("info", "bad_recovered").stdout
-    assert "truncated before its end" in said
+    assert "ended: the log was truncated" in said
     assert "recovered_from: bad" in said
     again = space_robot("recover", "bad", "-o", "elsewhere", "--json")
     assert again.returncode == 0
