@@ -7,12 +7,13 @@ OUT ?= out/demo
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 
-.PHONY: help demo test check golden bench studies fuzz chaos clean
+.PHONY: help demo test test-all check golden bench studies fuzz chaos clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo    run two tasks in the ROS 2 graph; leaves bags and their pages in $(OUT)"
 	@echo "make test    the whole test suite with ruff, mypy and the import test"
+	@echo "make test-all also the thorough forms of tests that make test has"
 	@echo "make check   ruff and mypy only"
 	@echo "make studies every figure and table of the three papers, and the laws compared; leaves pages in out/studies"
 	@echo "make golden  run the reference logs of the tests again, and say what is different"
@@ -47,6 +48,9 @@ check: $(VENV)/.dev
 	$(BIN)/mypy
 
 test: check
+	$(BIN)/python -m pytest -n 2 --dist loadgroup -m "not thorough"
+
+test-all: check
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 golden: $(VENV)/.run

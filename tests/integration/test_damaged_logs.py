@@ -20,8 +20,6 @@ from space_robot_msgs_py.log.writer import LogWriter
 from tests.support.replays import record_run, replayed
 from tests.support.tool import Tool
 
-ATTEMPTS = 200
-
 
 @pytest.fixture(scope="module")
 def forms(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, bytes]:
@@ -56,16 +54,16 @@ def spoiled(forms: tuple[bytes, bytes], how: str, index: int, rng: np.random.Gen
     return bytes(data)
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("attempts", [40, pytest.param(200, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("how", ["cut", "flipped"])
 @pytest.mark.parametrize("use", [replay_it, look_at_it])
 def test_no_damage_makes_a_traceback(
-    forms: tuple[bytes, bytes], tmp_path: Path, use: Callable[[Path], None], how: str
+    forms: tuple[bytes, bytes], tmp_path: Path, use: Callable[[Path], None], how: str, attempts: int
 ) -> None:
-    """200 times at random places: a result or one line, never another exception."""
+    """At each of many random places: a result or one line, never another exception."""
     rng = np.random.default_rng(66)
     path, worked = tmp_path / "bad_0.mcap", 0
-    for index in range(ATTEMPTS):
+    for index in range(attempts):
         path.write_bytes(spoiled(forms, how, index, rng))
         said = ""
         try:
@@ -77,14 +75,17 @@ def test_no_damage_makes_a_traceback(
     assert worked
 
 
+@pytest.mark.parametrize("attempts", [10, pytest.param(40, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("use", [replay_it, look_at_it])
-def test_memory_is_bounded_by_the_file(forms: tuple[bytes, bytes], tmp_path: Path, use: Callable[[Path], None]) -> None:
+def test_memory_is_bounded_by_the_file(
+    forms: tuple[bytes, bytes], tmp_path: Path, use: Callable[[Path], None], attempts: int
+) -> None:
     """Damaged lengths ask for no memory: what is taken beyond an undamaged log is a small multiple of the file."""
     rng = np.random.default_rng(67)
     path = tmp_path / "bad_0.mcap"
     path.write_bytes(forms[1])
     use(path)
-    for index in range(40):
+    for index in range(attempts):
         path.write_bytes(spoiled(forms, "flipped", index, rng))
         tracemalloc.start()
         try:

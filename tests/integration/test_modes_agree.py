@@ -57,16 +57,27 @@ def burning_core() -> Iterator[None]:
         burner.wait()
 
 
-@pytest.mark.parametrize("overrides", [(), ROUGH], ids=["fig08", "rough"])
-def test_the_three_modes_log_the_same_messages_twice(tmp_path: Path, overrides: tuple[str, ...]) -> None:
-    """Headless, graph and processes give equal messages, and equal files, the second time too."""
-    truth = run_mode(tmp_path / "a" / "run", "headless", overrides)
-    assert messages(truth)
-    for attempt in ("b", "c"):
-        for mode in ("graph", "processes"):
-            other = run_mode(tmp_path / attempt / mode / "run", mode, overrides)
-            assert messages(other) == messages(truth), f"{mode} differs from headless"
-            assert bag(other) == bag(truth), f"the file of {mode} differs from that of headless"
+@pytest.fixture(scope="module")
+def truth(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The rough run without ROS."""
+    return run_mode(tmp_path_factory.mktemp("truth") / "run", "headless", ROUGH)
+
+
+@pytest.mark.parametrize("mode", ["graph", "processes"])
+def test_the_three_modes_log_the_same_messages(truth: Path, tmp_path: Path, mode: Mode) -> None:
+    """Headless, graph and processes give equal messages, and equal files; a second time: on a busy machine below."""
+    other = run_mode(tmp_path / "run", mode, ROUGH)
+    assert len(messages(truth)) > 400
+    assert messages(other) == messages(truth), f"{mode} differs from headless"
+    assert bag(other) == bag(truth), f"the file of {mode} differs from that of headless"
+
+
+@pytest.mark.parametrize("mode", ["graph", pytest.param("processes", marks=pytest.mark.thorough)])
+def test_a_shipped_experiment_logs_the_same_to_its_end(tmp_path: Path, mode: Mode) -> None:
+    """As it is shipped, with bounds that hold."""
+    for name, how in (("headless", "headless"), ("other", mode)):
+        assert run_experiment(load_experiment("liu2023/fig08"), tmp_path / name / "run", mode=how).passed  # type: ignore[arg-type]
+    assert bag(tmp_path / "other" / "run") == bag(tmp_path / "headless" / "run")
 
 
 def test_laws_that_take_turns_log_the_same_in_every_mode(tmp_path: Path) -> None:
@@ -81,20 +92,17 @@ def test_laws_that_take_turns_log_the_same_in_every_mode(tmp_path: Path) -> None
         assert bag(tmp_path / mode / "run") == truth, f"the file of {mode} differs from that of headless"
 
 
-def test_a_busy_machine_changes_no_bit(tmp_path: Path) -> None:
+def test_a_busy_machine_changes_no_bit(truth: Path, tmp_path: Path) -> None:
     """Timing is not an input: with a core burnt by another process the log is the same."""
-    truth = run_mode(tmp_path / "quiet" / "run", "headless", ROUGH)
     with burning_core():
-        for mode in ("graph", "processes"):
-            assert bag(run_mode(tmp_path / mode / "run", mode, ROUGH)) == bag(truth)
+        assert bag(run_mode(tmp_path / "run", "graph", ROUGH)) == bag(truth)
 
 
-def test_a_late_controller_changes_no_bit(tmp_path: Path) -> None:
-    """The run waits for its controller: started 3 s after the others it gives the same run."""
-    experiment = load_experiment("liu2023/fig08", ROUGH)
-    truth = run_mode(tmp_path / "early" / "run", "headless", ROUGH)
-    late = tmp_path / "late" / "run"
-    reason = run_processes(compose(experiment), late, realtime=None, hooks=Hooks(), late={"controller": 3.0})
+def test_a_busy_machine_and_a_late_controller_change_no_bit(truth: Path, tmp_path: Path) -> None:
+    """The run waits for its controller: started 3 s after the others, with a core burnt, it gives the same run."""
+    composition, late = compose(load_experiment("liu2023/fig08", ROUGH)), tmp_path / "run"
+    with burning_core():
+        reason = run_processes(composition, late, realtime=None, hooks=Hooks(), late={"controller": 3.0})
     assert reason == "completed"
     assert bag(late) == bag(truth)
 
