@@ -25,6 +25,7 @@ _KINDS: dict[Kind, str] = {
     "controller_telemetry": "what the law wants to be seen, under the stamp of its command",
     "controller_event": "what changed in flight how the law answers, from that stamp on",
     "plant_telemetry": "truth and conservation, under the stamp of the state",
+    "plant_event": "what happens to the real robot, from that stamp on",
     "description": "text, once per run",
     "event": "text, once per run",
     "tool": "for tools; nothing in the control loop depends on it",
@@ -71,7 +72,7 @@ def topics_markdown() -> str:
 
 
 def _row(topic: Topic) -> tuple[str, ...]:
-    logged = f"`{log_name(topic)}`" if topic.recorded else "no"
+    logged = f"`{log_name(topic)}`{', if in the run' if topic.optional else ''}" if topic.recorded else "no"
     deterministic = "yes" if topic.deterministic else "no"
     kind = f"`{topic.kind}`"
     return f"`{topic.name}`", topic.type, kind, topic.publisher, logged, deterministic, topic.meaning

@@ -48,3 +48,28 @@ class ControllerEvent:
             accepted = "an integer stamp [ns] and a kind"
             raise LayoutError("not an event", key="controller/events", value=line[:80], accepted=accepted)
         return cls(stamp, kind, content)
+
+
+# Levels of diagnostic_msgs/DiagnosticStatus.
+OK, WARN, ERROR = 0, 1, 2
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosticEvent:
+    """Something that happens at a stamp, as one diagnostic_msgs/DiagnosticStatus can say it.
+
+    Attributes:
+        stamp: [ns].
+        level: ``OK``, ``WARN`` or ``ERROR``.
+        name: of what happens.
+        message: what happens to it, such as ``begins``.
+        hardware: the part of the robot; empty: the robot.
+        values: (key, value) in order.
+    """
+
+    stamp: int
+    level: int
+    name: str
+    message: str
+    hardware: str = ""
+    values: tuple[tuple[str, str], ...] = ()

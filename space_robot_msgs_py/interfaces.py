@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_msgs_py.errors import LayoutError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.vectors import Vector as Vector
 from space_robot_msgs_py.vectors import vector
 
@@ -192,10 +192,11 @@ class ControlOutput:
 
 @dataclass(frozen=True, slots=True)
 class PlantSample:
-    """What the plant shows at one stamp: the measured state, and telemetry that holds the truth."""
+    """What the plant shows at one stamp: the measured state, and the truth: telemetry, faults that begin or end."""
 
     state: RobotState
     telemetry: Telemetry
+    faults: tuple[DiagnosticEvent, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

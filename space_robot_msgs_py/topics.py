@@ -12,6 +12,7 @@ Kind = Literal[
     "controller_telemetry",
     "controller_event",
     "plant_telemetry",
+    "plant_event",
     "description",
     "event",
     "tool",
@@ -33,6 +34,7 @@ class Topic:
         recorded: it is written to the log.
         deterministic: equal runs give equal bytes.
         derived: in the log it follows from other messages of its stamp; it is derived when the log is written.
+        optional: it is there only in runs that ask for it: a run without it has no channel in its log.
         meaning: for people.
     """
 
@@ -46,6 +48,7 @@ class Topic:
     recorded: bool = True
     deterministic: bool = True
     derived: bool = False
+    optional: bool = False
 
 
 # The order of rows is the order of messages of one stamp in the log.
@@ -129,6 +132,17 @@ CONTROLLER_TELEMETRY = Topic(
     "controller",
     "labelled blocks in layout.dim; block `stamp` holds [ns], the rest is the law's own",
 )
+# Before the telemetry, which every tick ends with: a tick that is there to its end is there as a whole.
+FAULTS = Topic(
+    "faults",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "plant_event",
+    "simulator",
+    "what begins (level ERROR) and ends (OK) to be wrong with the real robot at the stamp, as the experiment plans it: "
+    "the truth, not for the flight software; sent before the state",
+    sporadic=True,
+    optional=True,
+)
 PLANT_TELEMETRY = Topic(
     "plant/telemetry",
     "std_msgs/msg/Float64MultiArray",
@@ -203,6 +217,7 @@ TABLE: tuple[Topic, ...] = (
     WRENCH_COMMAND,
     JOINT_COMMAND,
     CONTROLLER_TELEMETRY,
+    FAULTS,
     PLANT_TELEMETRY,
     TF,
     TF_STATIC,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
@@ -13,10 +14,14 @@ from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.command_hold import Acting, CommandHold
+from space_robot_sim.faults.actuation import ActuationStage, brake
+from space_robot_sim.faults.joints import JointFriction
+from space_robot_sim.faults.plan import FaultPlan
+from space_robot_sim.faults.sensing import SensorStage
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
-from space_robot_sim.kernel.arrays import robot_arrays
+from space_robot_sim.kernel.arrays import LOCKED, RobotArrays, robot_arrays
 from space_robot_sim.kernel.period import Flight, flight, fly, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
@@ -40,6 +45,7 @@ class SimulatedRobot:
         hold: what acts in place of a missing command: nothing, or the last one.
         changes: (stamp [ns], robot from then on) in order: the same joints and actuators, other inertias. The motion
             goes on as it is, and the conservation baseline is reset.
+        faults: what goes wrong with its actuators and sensors, and the events that say so.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -57,6 +63,7 @@ class SimulatedRobot:
         delay_periods: Literal[0, 1] = 0,
         hold: Literal["zero", "last"] = "zero",
         changes: Sequence[tuple[int, Robot]] = (),
+        faults: FaultPlan | None = None,
     ) -> None:
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
@@ -67,9 +74,12 @@ class SimulatedRobot:
         self._hold = CommandHold(robot.n, delay_periods=delay_periods, hold=hold)
         self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
         self._robots = {0: robot, **dict(changes)}
-        self._arrays = robot_arrays(robot.model, motor_numbers(robot))
+        self._healthy = self._arrays = robot_arrays(robot.model, motor_numbers(robot))
         self._able = capability(robot, control_period)
-        self._how = stepping(spec, self._arrays, control_period)
+        self._plan = faults or FaultPlan((), control_period, 0)
+        self._actuation = ActuationStage(self._plan, robot.joint_names, self._able, self._seconds)
+        self._sensing = SensorStage(self._plan, sensors or SensorSpec())
+        self._how = stepping(spec, self._arrays, control_period, rough=bool(self._plan.of(JointFriction)))
         self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
@@ -90,6 +100,8 @@ class SimulatedRobot:
         self._stamp = 0
         nothing = self._hold.reset()
         self._sensors.reset()
+        self._able = self._actuation.reset()
+        self._sensing.reset()
         self._switch_model(self._robots[0])
         return self._show(nothing)
 
@@ -103,7 +115,7 @@ class SimulatedRobot:
         if self._stamp and self._stamp in self._robots:
             self._switch_model(self._robots[self._stamp])
         acting = self._hold.take(command)
-        status = self._advance(acting.u)
+        status = self._advance(self._with_faults(acting.u) if self._plan.planned else acting.u)
         self._stamp += self._period
         if status != DONE:
             raise self._failure(status)
@@ -111,10 +123,33 @@ class SimulatedRobot:
 
     def _switch_model(self, robot: Robot) -> None:
         """Switch to this robot from here on, with a new conservation baseline."""
-        self._arrays = robot_arrays(robot.model, motor_numbers(robot))
-        self._fallback = None if self._compiled else PinocchioIntegrator(robot.model, self._arrays)
+        self._model = robot.model
+        self._healthy = robot_arrays(robot.model, motor_numbers(robot))
+        self._use(self._healthy)
         self._flight.y[13 + 2 * self._n :] = 0.0
         self._advance(self._hold.held.u, start=True)
+
+    def _use(self, arrays: RobotArrays) -> None:
+        """Integrate this robot from here on."""
+        self._arrays = arrays
+        self._fallback = None if self._compiled else PinocchioIntegrator(self._model, arrays)
+
+    def _with_faults(self, command: Vector) -> Vector:
+        """What the faults of this tick leave of a command; they also change actuators, motors and brakes."""
+        acts = self._actuation.at(self._stamp // self._period, command, self._flight.wheels, self._healthy)
+        self._able = acts.able
+        if acts.arrays is not self._arrays:
+            held = acts.arrays.tree[1:, LOCKED]
+            if np.any(held > self._arrays.tree[1:, LOCKED]):
+                self._stop_joints(held)
+            self._use(acts.arrays)
+        return acts.command
+
+    def _stop_joints(self, held: npt.NDArray[np.int64]) -> None:
+        """Brakes take the speed out of joints; their work counts as that of everything applied."""
+        y, n = self._flight.y, self._n
+        y[7 + n : 13 + 2 * n], work = brake(self._model, y[: 7 + n], y[7 + n : 13 + 2 * n].copy(), held)
+        y[13 + 2 * n] += work
 
     def _advance(self, acting: Vector, *, start: bool = False) -> int:
         """One period under a command, or with ``start`` only the balance of the initial state; returns a status."""
@@ -135,7 +170,11 @@ class SimulatedRobot:
         plant, n = self._flight, self._n
         y, gauges = plant.y, plant.gauges
         truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:])
-        return PlantSample(self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant))
+        state, telemetry = self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant)
+        if not self._plan.planned:
+            return PlantSample(state, telemetry)
+        tick = self._stamp // self._period
+        return PlantSample(self._sensing.read(tick, state), telemetry, self._plan.events(tick))
 
     def _failure(self, status: int) -> IntegrationError:
         when = f"between {(self._stamp - self._period) / NANOSECONDS:g} s and {self._stamp / NANOSECONDS:g} s"

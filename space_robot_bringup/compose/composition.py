@@ -10,9 +10,10 @@ from math import radians
 import numpy as np
 
 from space_robot_bringup.compose.controllers import law_sources, make_controller
+from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
 from space_robot_bringup.compose.plants import PLANTS, PlantParts
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
-from space_robot_bringup.experiment.plant import ModelSpec
+from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
 from space_robot_bringup.judge.metrics import axis_names, metric_names
 from space_robot_bringup.judge.verdict import check_bands, check_expectations
 from space_robot_control.laws.base import Law, Review
@@ -30,6 +31,8 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
+from space_robot_msgs_py.topics import FAULTS, Topic
+from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.initial import InitialState
 
 # Everything whose version can change the bits of a run; the log carries it.
@@ -47,6 +50,7 @@ class Composition:
         nominal: the robot the flight software believes in.
         truth: the robot that flies, as it starts.
         changes: (stamp [ns], robot that flies from then on), in order.
+        faults: what goes wrong; None: nothing.
         policy: whose code may be its laws.
     """
 
@@ -54,6 +58,7 @@ class Composition:
     nominal: Robot
     truth: Robot
     changes: tuple[tuple[int, Robot], ...]
+    faults: FaultPlan | None
     policy: LawPolicy
     _reference: ReferenceSource
     _seeds: tuple[np.random.SeedSequence, ...]
@@ -64,6 +69,11 @@ class Composition:
     def joint_names(self) -> tuple[str, ...]:
         """Joint names in model order."""
         return self.nominal.joint_names
+
+    @property
+    def optional_topics(self) -> tuple[Topic, ...]:
+        """The topics that only some runs have and this one does."""
+        return () if self.faults is None else (FAULTS,)
 
     @property
     def header(self) -> LogHeader:
@@ -79,13 +89,15 @@ class Composition:
         YAML_BYTES.check(len(text.encode()), "experiment, resolved")
         YAML_NODES.check(values_in(resolved.model_dump(mode="json")), "experiment, resolved")
         laws = law_sources(self.experiment.controller, self.policy)
-        return LogHeader(text, robot.urdf, self.experiment.seed, robot.joint_names, versions(), laws)
+        topics = tuple(topic.name for topic in self.optional_topics)
+        return LogHeader(text, robot.urdf, self.experiment.seed, robot.joint_names, versions(), laws, topics)
 
     def plant(self) -> Plant:
         """A new plant in its initial state."""
         seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
         initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
-        return PLANTS[spec.kind].make(spec, PlantParts(self.truth, self.experiment.period, initial, seed, self.changes))
+        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults)
+        return PLANTS[spec.kind].make(spec, parts)
 
     def controller(self) -> Law:
         """A new controller; it gets the nominal robot and nothing else.
@@ -133,7 +145,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
         SpaceRobotError: a part refuses its input; the message names the key.
     """
     # Fixed positions: adding randomness to one part never changes another's draws.
-    seeds = tuple(np.random.SeedSequence(experiment.seed).spawn(4))
+    seeds = tuple(np.random.SeedSequence(experiment.seed).spawn(5))
     disorder = experiment.plant.dispersion
     if disorder is not None and disorder.inconsistent == "keep":
         raise SpecError(
@@ -143,14 +155,17 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
             accepted="reject",
         )
     robot = load_robot(experiment.robot)
-    nominal = _variant(robot, _believed(experiment), seeds[0], "nominal")
-    truth = _variant(robot, experiment.plant, seeds[1], "plant")
+    nominal = _variant(robot, _believed(experiment), seeds[0])
+    truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)
+    plan = fault_plan(experiment, truth, seeds[4])
+    if plan is not None and isinstance(spec, PlantSpec):
+        changes = robots_with_faults(plan, _variant(robot, _unladen(spec), seeds[1]), spec)
     reference = make_reference(experiment.reference, nominal, q0)
-    composition = Composition(experiment, nominal, truth, changes, policy, reference, seeds, q0, v0)
+    composition = Composition(experiment, nominal, truth, changes, plan, policy, reference, seeds, q0, v0)
     flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
     check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
@@ -195,7 +210,11 @@ def _believed(experiment: Experiment) -> ModelSpec:
     return nominal.model_copy(update={"payload": payload})
 
 
-def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: str) -> Robot:
+def _unladen(spec: ModelSpec) -> ModelSpec:
+    return spec.model_copy(update={"payload": None})
+
+
+def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence) -> Robot:
     if spec.dispersion is not None:
         robot = disperse(robot, spec.dispersion, np.random.default_rng(seed))
     if spec.payload is not None:

@@ -9,7 +9,15 @@ from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
+from pydantic import (
+    Field,
+    NonNegativeFloat,
+    NonNegativeInt,
+    PositiveFloat,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 from ruamel.yaml.scalarstring import LiteralScalarString
@@ -27,6 +35,7 @@ from space_robot_description.spec import PerJoint, Strict, Three, Title
 from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.paths import StrPath
+from space_robot_sim.faults.catalogue import AnyFault, parse_fault
 
 # Dotted key to value, or texts ``dotted.key=value`` with the value in YAML.
 Overrides = Mapping[str, Any] | Sequence[str]
@@ -100,10 +109,16 @@ class Experiment(Strict):
     controller: ControllerSpec = Field(default_factory=ControllerSpec)
     plant: AnyPlant = Field(default_factory=PlantSpec)
     nominal: NominalSpec = Field(default_factory=NominalSpec, description="what the flight software believes")
+    faults: tuple[AnyFault, ...] = Field(default=(), description="what goes wrong in the real robot, and when")
     settling_bands: dict[str, PositiveFloat] = Field(
         default_factory=dict, description="axis -> half width [deg or m] in place of 2 % of its travel"
     )
     expect: dict[str, Expectation] = Field(default_factory=dict, description="metric name -> bound; the verdict")
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # The log of a run without faults is, to the byte, what it was before there were any.
+        return {key: value for key, value in handler(self).items() if key != "faults" or value}
 
     @property
     def period(self) -> int:
@@ -280,6 +295,18 @@ def with_changes(experiment: Experiment, overrides: Overrides) -> Experiment:
     if not overrides:
         return experiment
     return experiment_from(with_overrides(experiment.model_dump(mode="json"), overrides), "")
+
+
+def with_faults(experiment: Experiment, typed: Sequence[str]) -> Experiment:
+    """The experiment with more faults, each as ``--fault`` takes it: ``joint_stuck joint=joint2 at=20``.
+
+    Raises:
+        SpecError: one is no fault.
+    """
+    if not typed:
+        return experiment
+    data = experiment.model_dump(mode="json")
+    return experiment_from(data | {"faults": [*data.get("faults", ()), *map(parse_fault, typed)]}, "")
 
 
 def with_duration(experiment: Experiment, duration: float | None) -> Experiment:

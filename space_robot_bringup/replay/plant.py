@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.recording import Recording
 from space_robot_bringup.replay.result import Outcome, absent_topics
-from space_robot_msgs_py.codec.codecs import TickCodec
+from space_robot_msgs_py.codec.codecs import TickCodec, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
+from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_msgs_py.interfaces import Command, PlantSample
 from space_robot_msgs_py.log.arrays import Row
-from space_robot_msgs_py.topics import BASE_ODOM, PLANT_TELEMETRY, topics_of
+from space_robot_msgs_py.topics import BASE_ODOM, FAULTS, PLANT_TELEMETRY, topics_of
 
 FAILED = "simulator: "
 _SHOWN = (*topics_of("state"), PLANT_TELEMETRY)
@@ -79,6 +80,15 @@ class _Replay:
         state = zip(self._codec.state.topics, self._codec.state.encode(sample.state), strict=True)
         telemetry = self._codec.plant_telemetry.encode(sample.telemetry)[0]
         self._comparison.compare(stamp, parts, [*state, (PLANT_TELEMETRY, telemetry)])
+        self._comparison.event(FAULTS.name, stamp, "events", _said(self._recorded(parts)), _said(sample.faults))
+
+    def _recorded(self, parts: Mapping[str, bytes]) -> tuple[DiagnosticEvent, ...]:
+        raw = parts.get(FAULTS.name)
+        try:
+            return () if raw is None else decode_statuses(raw)
+        except SpaceRobotError as error:
+            self._notes[f"recorded faults cannot be read ({error})"] += 1
+            return ()
 
     def _end(self, stamp: int) -> str:
         """A recorded plant that gave up after the last state has to give up again, for the same reason."""
@@ -113,6 +123,11 @@ class _Replay:
         if found is None and acted >= 0 and acted != stamp:
             self._notes["commands that acted are not in the log"] += 1
         return found
+
+
+def _said(faults: Iterable[DiagnosticEvent]) -> str:
+    """Events as one line; equal events give equal lines."""
+    return "; ".join(f"{one.name} {one.message} {dict(one.values)}" for one in faults)
 
 
 def _acted(codec: TickCodec, rows: list[Row]) -> Iterator[tuple[int, int]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any, Protocol
 
 from rclpy.clock import Clock
@@ -54,6 +54,7 @@ class RecorderNode(GraphNode):
         lossless: every topic there is will speak at every stamp (lock-step); False: a stamp may miss some (paced), it
             is then written after ``WINDOW`` ticks as it is; a topic whose publisher comes later is expected from then.
         ahead: ticks that the simulator may be ahead of the log; 0: state k comes when tick k - 1 is in the log.
+        optional: the optional topics of this run, whose publishers have to be there, too.
         options: see GraphNode.
     """
 
@@ -66,6 +67,7 @@ class RecorderNode(GraphNode):
         steps: int,
         lossless: bool = True,
         ahead: int = AHEAD_IN_ONE_PROCESS,
+        optional: Collection[Topic] = (),
         name: str = "recorder",
         **options: Any,
     ) -> None:
@@ -86,8 +88,9 @@ class RecorderNode(GraphNode):
         self.gaps = 0
         self.malformed = 0
         self.listen(ROBOT_DESCRIPTION, self._on_description)
-        listeners = {topic: self._listen_recorded(topic) for topic in LOGGED}
-        self._readers = {topic: reader for topic, reader in listeners.items() if topic in self._expected}
+        heard = [topic for topic in LOGGED if not topic.optional or topic in optional]
+        listeners = {topic: self._listen_recorded(topic) for topic in heard}
+        self._readers = {topic: one for topic, one in listeners.items() if topic in {*self._expected, *optional}}
         self._credit_publisher = self.publisher(RECORDER_CREDIT)
         self._given = -1
         self._clock_of_calls = Clock(clock_type=ClockType.STEADY_TIME)
@@ -128,7 +131,7 @@ class RecorderNode(GraphNode):
         absent = {topic for topic, reader in self._readers.items() if reader.get_publisher_count() == 0}
         if self._started:
             # Paced: a controller that appears later is waited for from then on.
-            self._expected |= self._readers.keys() - absent
+            self._expected |= {topic for topic in self._readers.keys() - absent if not topic.sporadic}
             return
         optional = {"controller_telemetry"} if self.lossless else {"controller_telemetry", "command", "reference"}
         if any(topic.kind not in optional for topic in absent):
