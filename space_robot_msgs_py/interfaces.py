@@ -192,11 +192,19 @@ class ControlOutput:
 
 @dataclass(frozen=True, slots=True)
 class PlantSample:
-    """What the plant shows at one stamp: the measured state, and the truth: telemetry, faults that begin or end."""
+    """What the plant shows at one stamp.
+
+    Attributes:
+        state: what is measured.
+        telemetry: the truth.
+        faults: what begins and ends to be wrong with the robot at this stamp; the truth, too.
+        events: what the plant did not take of the command that answers the state before, or not as it was.
+    """
 
     state: RobotState
     telemetry: Telemetry
     faults: tuple[DiagnosticEvent, ...] = ()
+    events: tuple[DiagnosticEvent, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -143,6 +143,16 @@ FAULTS = Topic(
     sporadic=True,
     optional=True,
 )
+PLANT_EVENTS = Topic(
+    "plant/events",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "plant_event",
+    "simulator",
+    "commands that were missing, refused or clipped in the period that ended at the stamp (`plant.monitor`), with "
+    "channel, value and count; sent before the state",
+    sporadic=True,
+    optional=True,
+)
 PLANT_TELEMETRY = Topic(
     "plant/telemetry",
     "std_msgs/msg/Float64MultiArray",
@@ -218,6 +228,7 @@ TABLE: tuple[Topic, ...] = (
     JOINT_COMMAND,
     CONTROLLER_TELEMETRY,
     FAULTS,
+    PLANT_EVENTS,
     PLANT_TELEMETRY,
     TF,
     TF_STATIC,

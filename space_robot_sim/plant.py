@@ -14,6 +14,7 @@ from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.command_hold import Acting, CommandHold
+from space_robot_sim.command_monitor import CommandMonitor, command_limit
 from space_robot_sim.faults.actuation import ActuationStage, brake
 from space_robot_sim.faults.joints import JointFriction
 from space_robot_sim.faults.plan import FaultPlan
@@ -27,7 +28,7 @@ from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
 from space_robot_sim.sensors import Sensors
-from space_robot_sim.spec import IntegratorSpec, SensorSpec
+from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
 
 
@@ -42,10 +43,11 @@ class SimulatedRobot:
         sensors: what is seen of it.
         seed: of the sensors' noise.
         delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
-        hold: what acts in place of a missing command: nothing, or the last one.
+        hold: what acts in place of a missing command: nothing, the last one, or the last one for some periods.
         changes: (stamp [ns], robot from then on) in order: the same joints and actuators, other inertias. The motion
             goes on as it is, and the conservation baseline is reset.
         faults: what goes wrong with its actuators and sensors, and the events that say so.
+        monitor: what is checked of commands before they act; None: nothing.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -61,9 +63,10 @@ class SimulatedRobot:
         sensors: SensorSpec | None = None,
         seed: int = 0,
         delay_periods: Literal[0, 1] = 0,
-        hold: Literal["zero", "last"] = "zero",
+        hold: Hold = "zero",
         changes: Sequence[tuple[int, Robot]] = (),
         faults: FaultPlan | None = None,
+        monitor: MonitorSpec | None = None,
     ) -> None:
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
@@ -72,6 +75,7 @@ class SimulatedRobot:
         spec = integrator or IntegratorSpec()
         self._initial = initial
         self._hold = CommandHold(robot.n, delay_periods=delay_periods, hold=hold)
+        self._monitor = CommandMonitor(monitor, command_limit(robot), robot.joint_names)
         self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
         self._robots = {0: robot, **dict(changes)}
         self._healthy = self._arrays = robot_arrays(robot.model, motor_numbers(robot))
@@ -99,6 +103,7 @@ class SimulatedRobot:
         self._flight.wheels[:] = self._wheels
         self._stamp = 0
         nothing = self._hold.reset()
+        self._monitor.reset()
         self._sensors.reset()
         self._able = self._actuation.reset()
         self._sensing.reset()
@@ -114,7 +119,7 @@ class SimulatedRobot:
         """
         if self._stamp and self._stamp in self._robots:
             self._switch_model(self._robots[self._stamp])
-        acting = self._hold.take(command)
+        acting = self._hold.take(self._monitor.check(command))
         status = self._advance(self._with_faults(acting.u) if self._plan.planned else acting.u)
         self._stamp += self._period
         if status != DONE:
@@ -171,10 +176,11 @@ class SimulatedRobot:
         y, gauges = plant.y, plant.gauges
         truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:])
         state, telemetry = self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant)
+        found = self._monitor.events(self._stamp)
         if not self._plan.planned:
-            return PlantSample(state, telemetry)
+            return PlantSample(state, telemetry, events=found)
         tick = self._stamp // self._period
-        return PlantSample(self._sensing.read(tick, state), telemetry, self._plan.events(tick))
+        return PlantSample(self._sensing.read(tick, state), telemetry, self._plan.events(tick), found)
 
     def _failure(self, status: int) -> IntegrationError:
         when = f"between {(self._stamp - self._period) / NANOSECONDS:g} s and {self._stamp / NANOSECONDS:g} s"

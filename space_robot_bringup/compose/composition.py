@@ -31,7 +31,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
-from space_robot_msgs_py.topics import FAULTS, Topic
+from space_robot_msgs_py.topics import FAULTS, PLANT_EVENTS, Topic
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.initial import InitialState
 
@@ -73,7 +73,8 @@ class Composition:
     @property
     def optional_topics(self) -> tuple[Topic, ...]:
         """The topics that only some runs have and this one does."""
-        return () if self.faults is None else (FAULTS,)
+        told = {FAULTS: self.faults, PLANT_EVENTS: self.experiment.plant.monitor}
+        return tuple(topic for topic, asked in told.items() if asked is not None)
 
     @property
     def header(self) -> LogHeader:

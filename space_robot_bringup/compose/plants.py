@@ -76,6 +76,7 @@ def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
         hold=spec.hold,
         changes=parts.changes,
         faults=parts.faults,
+        monitor=spec.monitor,
     )
 
 
@@ -109,7 +110,7 @@ def _pccs(spec: CapturedPlant, parts: PlantParts) -> Plant:
 
 
 def _conditions(spec: PlantTiming, parts: PlantParts) -> RunConditions:
-    return RunConditions(parts.period, parts.initial, parts.seed, spec.delay_periods, spec.hold)
+    return RunConditions(parts.period, parts.initial, parts.seed, spec.delay_periods, spec.hold, spec.monitor)
 
 
 def _no_changes(spec: PlantTiming, truth: Robot, control_period: float) -> Changes:

@@ -25,7 +25,6 @@ from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.log.writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
-from space_robot_msgs_py.topics import FAULTS
 from space_robot_sim.nodes.recorder import AHEAD_BESIDE, AHEAD_IN_ONE_PROCESS, RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
 
@@ -67,17 +66,17 @@ def make_node(
     if role in MANAGED:
         options["steered"] = mode != "graph"
     timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
-    optional = composition.optional_topics
+    optional = {"optional": composition.optional_topics}
     if role == "recorder":
         # Paced, the clock goes on and waits for no log.
         ahead = AHEAD_IN_ONE_PROCESS if mode == "graph" or realtime is not None else AHEAD_BESIDE
-        timing |= {"lossless": realtime is None, "ahead": ahead, "optional": optional}
+        timing |= {"lossless": realtime is None, "ahead": ahead} | optional
         return RecorderNode(_writers(composition, directory, mode), names, **timing, **options)
     if role == "guidance":
         return GuidanceNode(composition.reference(), names, **timing, **options)
     if role == "controller":
         return ControllerNode(composition.controller, names, **options)
-    timing["faults"] = FAULTS in optional
+    timing |= optional
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )

@@ -14,7 +14,7 @@ from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_msgs_py.interfaces import Command, PlantSample
 from space_robot_msgs_py.log.arrays import Row
-from space_robot_msgs_py.topics import BASE_ODOM, FAULTS, PLANT_TELEMETRY, topics_of
+from space_robot_msgs_py.topics import BASE_ODOM, FAULTS, PLANT_EVENTS, PLANT_TELEMETRY, Topic, topics_of
 
 FAILED = "simulator: "
 _SHOWN = (*topics_of("state"), PLANT_TELEMETRY)
@@ -45,6 +45,7 @@ class _Replay:
         self._plant = composition.plant()
         self._commands: dict[int, Command] = {}
         self._acted: dict[int, int] = {}
+        self._judged: dict[int, DiagnosticEvent] = {}
         self._notes: Counter[str] = Counter()
         self._ticks, self._last = 0, -1
 
@@ -80,14 +81,15 @@ class _Replay:
         state = zip(self._codec.state.topics, self._codec.state.encode(sample.state), strict=True)
         telemetry = self._codec.plant_telemetry.encode(sample.telemetry)[0]
         self._comparison.compare(stamp, parts, [*state, (PLANT_TELEMETRY, telemetry)])
-        self._comparison.event(FAULTS.name, stamp, "events", _said(self._recorded(parts)), _said(sample.faults))
+        for topic, events in ((FAULTS, sample.faults), (PLANT_EVENTS, sample.events)):
+            self._comparison.event(topic.name, stamp, "events", _said(self._recorded(topic, parts)), _said(events))
 
-    def _recorded(self, parts: Mapping[str, bytes]) -> tuple[DiagnosticEvent, ...]:
-        raw = parts.get(FAULTS.name)
+    def _recorded(self, topic: Topic, parts: Mapping[str, bytes]) -> tuple[DiagnosticEvent, ...]:
+        raw = parts.get(topic.name)
         try:
             return () if raw is None else decode_statuses(raw)
         except SpaceRobotError as error:
-            self._notes[f"recorded faults cannot be read ({error})"] += 1
+            self._notes[f"recorded events cannot be read ({error})"] += 1
             return ()
 
     def _end(self, stamp: int) -> str:
@@ -113,9 +115,15 @@ class _Replay:
             except SpaceRobotError:
                 self._notes["commands were refused and are held over"] += 1
         self._acted = dict(_acted(self._codec, rows))
+        self._judged = {stamp: found for stamp, parts in rows for found in self._recorded(PLANT_EVENTS, parts)}
 
     def _command(self, stamp: int) -> Command | None:
         """What the plant was given in the period that begins at a stamp; None: its hold."""
+        judged = self._judged.get(stamp + self._period)
+        if judged is not None:
+            # Not what acted, but what was checked.
+            given = dict(judged.values).get("stamp", "")
+            return self._commands.get(int(given)) if given.isdecimal() else None
         acted = self._acted.get(stamp + (1 + self._delay) * self._period, stamp)
         if acted != stamp:
             self._notes["periods were flown with an older command, or none"] += 1

@@ -11,7 +11,7 @@ from space_robot_msgs_py.codec.texts import (
     encode_string,
     peek_stamp,
 )
-from space_robot_msgs_py.codec.topic_bytes import LOGGED, TickCodec, TopicBytes
+from space_robot_msgs_py.codec.topic_bytes import LOGGED, TickCodec, TopicBytes, plant_events
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec
 
 __all__ = [
@@ -31,4 +31,5 @@ __all__ = [
     "encode_statuses",
     "encode_string",
     "peek_stamp",
+    "plant_events",
 ]

@@ -16,7 +16,15 @@ from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Telemetry, Tick
 from space_robot_msgs_py.limits import TELEMETRY_BYTES
-from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, FAULTS, PLANT_TELEMETRY, TABLE, Topic
+from space_robot_msgs_py.topics import (
+    CONTROLLER_EVENTS,
+    CONTROLLER_TELEMETRY,
+    FAULTS,
+    PLANT_EVENTS,
+    PLANT_TELEMETRY,
+    TABLE,
+    Topic,
+)
 
 # What a tick consists of, in the order of the log; what follows from it comes behind it.
 LOGGED: tuple[Topic, ...] = tuple(t for t in TABLE if t.recorded and not t.latched and not t.derived)
@@ -56,7 +64,8 @@ class TickCodec:
         sample, output = tick.sample, tick.output
         values = (sample.state, tick.reference, output.command, output.telemetry, sample.telemetry)
         stamps = [value.stamp for value in values]
-        stamps += [event.stamp for event in output.events] + [event.stamp for event in sample.faults]
+        stamps += [event.stamp for event in output.events]
+        stamps += [event.stamp for event in (*sample.faults, *sample.events)]
         if any(stamp != tick.stamp for stamp in stamps):
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return (
@@ -66,6 +75,7 @@ class TickCodec:
             *self.command.encode(output.command),
             *self.controller_telemetry.encode(output.telemetry),
             encode_statuses(sample.faults) if sample.faults else None,
+            encode_statuses(sample.events) if sample.events else None,
             *self.plant_telemetry.encode(sample.telemetry),
         )
 
@@ -74,8 +84,7 @@ class TickCodec:
         parts = dict(zip(self.state.topics, self.state.encode(sample.state), strict=True))
         parts |= zip(self.reference.topics, self.reference.encode(reference), strict=True)
         parts[PLANT_TELEMETRY] = self.plant_telemetry.encode(sample.telemetry)[0]
-        if sample.faults:
-            parts[FAULTS] = encode_statuses(sample.faults)
+        parts |= {topic: encode_statuses(found) for topic, found in plant_events(sample)}
         return tuple(parts.get(topic) for topic in LOGGED)
 
     def decode(self, parts: Mapping[str, bytes]) -> Tick:
@@ -92,7 +101,11 @@ class TickCodec:
             stamps = [state.stamp, reference.stamp, command.stamp]
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return Tick(
-            PlantSample(state, _telemetry(self.plant_telemetry, parts, state.stamp), _faults(parts, state.stamp)),
+            PlantSample(
+                state,
+                _telemetry(self.plant_telemetry, parts, state.stamp),
+                *(_statuses(topic, parts, state.stamp) for topic in (FAULTS, PLANT_EVENTS)),
+            ),
             reference,
             ControlOutput(
                 command, _telemetry(self.controller_telemetry, parts, state.stamp), _events(parts, state.stamp)
@@ -128,7 +141,7 @@ class TopicBytes:
         if topic is CONTROLLER_EVENTS:
             events = decode_events(raw)
             return events[0].stamp, encode_events(events)
-        if topic is FAULTS:
+        if topic.kind == "plant_event":
             faults = decode_statuses(raw)
             return faults[0].stamp, encode_statuses(faults)
         telemetry = self._telemetry.get(topic)
@@ -166,12 +179,17 @@ def _events(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, ..
     return events
 
 
-def _faults(parts: Mapping[str, bytes], stamp: int) -> tuple[DiagnosticEvent, ...]:
-    raw = parts.get(FAULTS.name)
-    faults = () if raw is None else decode_statuses(raw)
-    if faults:
-        _check_stamp(FAULTS, stamp, faults[0].stamp)
-    return faults
+def plant_events(sample: PlantSample) -> list[tuple[Topic, tuple[DiagnosticEvent, ...]]]:
+    """The events of a sample by the topic they are told on, where there are any."""
+    return [(topic, events) for topic, events in ((FAULTS, sample.faults), (PLANT_EVENTS, sample.events)) if events]
+
+
+def _statuses(topic: Topic, parts: Mapping[str, bytes], stamp: int) -> tuple[DiagnosticEvent, ...]:
+    raw = parts.get(topic.name)
+    events = () if raw is None else decode_statuses(raw)
+    if events:
+        _check_stamp(topic, stamp, events[0].stamp)
+    return events
 
 
 def _check_stamp(topic: Topic, stamp: int, found: int) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 from rclpy.duration import Duration
@@ -14,18 +14,19 @@ from space_robot_msgs_py.codec.codecs import (
     encode_clock,
     encode_statuses,
     encode_string,
+    plant_events,
 )
 from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
-from space_robot_msgs_py.topics import CLOCK, FAULTS, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION
+from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic
 from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import RunServices, StepGate
 from space_robot_sim.nodes.transforms import TransformPublisher
 
-# What a recorder may take to hear that a fault begins or ends.
+# What a recorder may take to hear of an event.
 HEARING_SECONDS = 5.0
 
 
@@ -50,7 +51,7 @@ class SimulatorNode(ManagedNode):
         steps: number of periods of the run; states 0..steps are published, each is to be answered.
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
-        faults: the plant has some, and says when they begin and end.
+        optional: the optional topics of this run, for what the plant tells.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         options: see ManagedNode.
     """
@@ -65,7 +66,7 @@ class SimulatorNode(ManagedNode):
         steps: int,
         realtime: float | None = None,
         recorded: bool = True,
-        faults: bool = False,
+        optional: Collection[Topic] = (),
         patience: float = 60.0,
         name: str = "simulator",
         **options: Any,
@@ -74,7 +75,7 @@ class SimulatorNode(ManagedNode):
         self._make_plant, self._joint_names, self._urdf = make_plant, joint_names, urdf
         self._period, self._steps, self._patience = period, steps, patience
         self._realtime, self._recorded = None if realtime is None else checked_factor(realtime), recorded
-        self._faults = faults
+        self._optional = optional
         self._states = StateCodec(joint_names)
         self._telemetry = TelemetryCodec(PLANT_TELEMETRY)
         self.tick = 0
@@ -90,7 +91,7 @@ class SimulatorNode(ManagedNode):
         self._credit = -1 if self._recorded else self._steps * self._period
         self._state_publishers = [self.publisher(topic) for topic in self._states.topics]
         self._telemetry_publisher = self.publisher(PLANT_TELEMETRY)
-        self._fault_publisher = self.publisher(FAULTS) if self._faults else None
+        self._event_publishers = {topic: self.publisher(topic) for topic in self._optional}
         self._clock_publisher = self.publisher(CLOCK)
         self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
         self._description_publisher.publish(encode_string(self._urdf))
@@ -178,10 +179,10 @@ class SimulatorNode(ManagedNode):
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
-        if sample.faults and self._fault_publisher is not None:
-            self._fault_publisher.publish(encode_statuses(sample.faults))
+        for topic, events in plant_events(sample):
+            self._event_publishers[topic].publish(encode_statuses(events))
             # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.
-            self._fault_publisher.wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
+            self._event_publishers[topic].wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
         publish_all(self._state_publishers, self._states.encode(sample.state))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
         self._clock_publisher.publish(encode_clock(sample.state.stamp))
@@ -218,6 +219,7 @@ class SimulatorNode(ManagedNode):
         sample = self._plant.step(command)
         self.tick += 1
         self._health.count(sample)
+        self.commands.counts.update(event.name for event in sample.events)
         self.commands.expect(self.stamp)
         self._show(sample)
         self.on_tick(self.tick)

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from space_robot_msgs_py.events import ERROR, OK, ControllerEvent, DiagnosticEvent
+from space_robot_msgs_py.events import ERROR, OK, WARN, ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import (
     Command,
     ControlOutput,
@@ -21,7 +21,12 @@ from space_robot_msgs_py.log.header import LogHeader
 PERIOD = 100_000_000
 NAMES = ("shoulder", "elbow", "wrist")
 HEADER = LogHeader(
-    "seed: 7\nname: test\n", '<robot name="t"/>', 7, NAMES, {"numpy": "2", "mcap": "1"}, topics=("faults",)
+    "seed: 7\nname: test\n",
+    '<robot name="t"/>',
+    7,
+    NAMES,
+    {"numpy": "2", "mcap": "1"},
+    topics=("faults", "plant/events"),
 )
 
 joint_counts = st.integers(1, 14)
@@ -91,7 +96,8 @@ def _tick(stamp, n, rng):
         ),
         DiagnosticEvent(stamp, OK, "sensor_noise attitude", "ends"),
     )
-    return Tick(PlantSample(state, Telemetry.of(stamp, {"energy": rng.normal()}), faults), reference, output)
+    refused = (DiagnosticEvent(stamp, WARN, "command refused", "rate", "", (("stamp", "0"), ("count", "1"))),)
+    return Tick(PlantSample(state, Telemetry.of(stamp, {"energy": rng.normal()}), faults, refused), reference, output)
 
 
 def bits(value):
