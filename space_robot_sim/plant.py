@@ -19,6 +19,7 @@ from space_robot_sim.faults.actuation import ActuationStage, brake
 from space_robot_sim.faults.joints import JointFriction
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.faults.sensing import SensorStage
+from space_robot_sim.faults.wires import CommandWire
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
@@ -82,6 +83,7 @@ class SimulatedRobot:
         self._able = capability(robot, control_period)
         self._plan = faults or FaultPlan((), control_period, 0)
         self._actuation = ActuationStage(self._plan, robot.joint_names, self._able, self._seconds)
+        self._wire = CommandWire(self._plan)
         self._sensing = SensorStage(self._plan, sensors or SensorSpec())
         self._how = stepping(spec, self._arrays, control_period, rough=bool(self._plan.of(JointFriction)))
         self._compiled = compiled(spec)
@@ -106,6 +108,7 @@ class SimulatedRobot:
         self._monitor.reset()
         self._sensors.reset()
         self._able = self._actuation.reset()
+        self._wire.reset()
         self._sensing.reset()
         self._switch_model(self._robots[0])
         return self._show(nothing)
@@ -119,6 +122,8 @@ class SimulatedRobot:
         """
         if self._stamp and self._stamp in self._robots:
             self._switch_model(self._robots[self._stamp])
+        if self._wire.faulty:
+            command = self._wire.carry(self._stamp // self._period, command)
         acting = self._hold.take(self._monitor.check(command))
         status = self._advance(self._with_faults(acting.u) if self._plan.planned else acting.u)
         self._stamp += self._period

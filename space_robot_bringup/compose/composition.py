@@ -33,6 +33,7 @@ from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.topics import FAULTS, PLANT_EVENTS, Topic
 from space_robot_sim.faults.plan import FaultPlan
+from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
 
 # Everything whose version can change the bits of a run; the log carries it.
@@ -77,6 +78,11 @@ class Composition:
         return tuple(topic for topic, asked in told.items() if asked is not None)
 
     @property
+    def loses_commands(self) -> bool:
+        """Faults keep commands from the plant: what acted does not tell what was sent."""
+        return self.faults is not None and CommandWire(self.faults).faulty
+
+    @property
     def header(self) -> LogHeader:
         """Provenance for a log; made when asked for, which a run that is not logged never does.
 
@@ -108,7 +114,10 @@ class Composition:
             CodeError: the policy does not let a law be imported.
         """
         experiment = self.experiment
-        return make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
+        law = make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
+        if self.faults is not None:
+            law.inbox = ControllerInbox(self.faults)
+        return law
 
     def reference(self) -> ReferenceSource:
         """The reference source: a function of time, which all who ask share."""

@@ -119,6 +119,9 @@ class _Replay:
 
     def _command(self, stamp: int) -> Command | None:
         """What the plant was given in the period that begins at a stamp; None: its hold."""
+        if self._recording.composition.loses_commands:
+            # The plant loses them again.
+            return self._commands.get(stamp)
         judged = self._judged.get(stamp + self._period)
         if judged is not None:
             # Not what acted, but what was checked.

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -43,6 +43,16 @@ class Review:
     warnings: tuple[str, ...] = ()
 
 
+class Inbox(Protocol):
+    """What stands between the messages and a law in a run whose links have faults."""
+
+    def hear(self, state: RobotState, reference: Reference) -> tuple[RobotState, Reference, bool]:
+        """What has arrived at a tick, under its stamp, and whether the controller has just begun anew.
+
+        A stamp that is not later than the last one begins a run.
+        """
+
+
 class Located(ControlError):
     """A ControlError that names the law and the time."""
 
@@ -54,6 +64,9 @@ class Law(Tunable, ABC):
     description with its unit. ``telemetry_fields`` describes the blocks of telemetry, with their units. A law is a
     function of the states and references since the last ``reset``, of what ``tune`` changed between them, and of
     nothing else.
+
+    Attributes:
+        inbox: what stands between messages and law; None: nothing, as in every run without faults of links.
 
     Args:
         robot: the NOMINAL robot; a law never sees the true one.
@@ -70,6 +83,7 @@ class Law(Tunable, ABC):
     name: ClassVar[str] = ""
     telemetry_fields: ClassVar[Mapping[str, str]] = {}
     gains: Gains
+    inbox: Inbox | None = None
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__()
@@ -157,6 +171,10 @@ class Law(Tunable, ABC):
             CommandError: state or reference does not fit the robot or each other.
             ControlError: a value in the control law is not finite or singular.
         """
+        if self.inbox is not None:
+            state, reference, begins_anew = self.inbox.hear(state, reference)
+            if begins_anew:
+                self.reset_in_run()
         output = self.control(state, reference)
         self.on_applied(output.command, own=True)
         return output

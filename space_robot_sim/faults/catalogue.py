@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field
 from space_robot_description.validation import nearest, parse_yaml_value, validate
 from space_robot_msgs_py.errors import SpecError, shortened
 from space_robot_sim.faults import base_actuators as base
-from space_robot_sim.faults import body, joints, sensors
+from space_robot_sim.faults import body, joints, links, sensors
 from space_robot_sim.faults.base import COMMON, Fault
 
 MAX_KIND = 40
@@ -47,7 +47,17 @@ AnyFault = Annotated[
     | sensors.SensorOutliers
     | sensors.SensorDelay
     | sensors.SensorSignFlip
-    | sensors.SensorFrame,
+    | sensors.SensorFrame
+    | sensors.SensorDropout
+    | sensors.SensorNan
+    | links.LinkDrop
+    | links.LinkDelay
+    | links.LinkDuplicate
+    | links.LinkReorder
+    | links.LinkCorrupt
+    | links.ControllerSilent
+    | links.ControllerRestarted
+    | links.GuidanceSilent,
     Field(discriminator="kind"),
     BeforeValidator(lambda data: _of_known_kind(data)),
 ]

@@ -176,6 +176,23 @@ class SensorFrozen(SensorFault):
         return now.last
 
 
+class SensorDropout(SensorFault):
+    """There is no new reading: the last one is repeated."""
+
+    kind: Literal["sensor_dropout"] = "sensor_dropout"
+    probability: Probability = Field(default=1.0, description="of each reading [-]")
+
+    def read(self, now: Reading) -> Vector:
+        """What was reported last, or what is read."""
+        return now.last if now.rng.random() < self.probability else now.value
+
+
+class SensorNan(SensorDropout):
+    """The reading is not a number, which passes no boundary: it is refused there, and the last one is repeated."""
+
+    kind: Literal["sensor_nan"] = "sensor_nan"  # type: ignore[assignment]
+
+
 class SensorOutliers(SensorFault):
     """Some readings are wrong by a vector of random direction."""
 

@@ -30,6 +30,12 @@ FAULTS = (
     "sensor_frozen channel=attitude at=7 for=0.75",
     "sensor_outliers channel=joint_position probability=0.2 length=1.0e-3 at=2",
     "sensor_sign_flip probability=0.5 at=0 for=2",
+    "sensor_dropout channel=joint_velocity probability=0.3 at=3",
+    "link_drop topic=command probability=0.2 at=2 for=4",
+    "link_delay topic=state periods=1 at=6 for=2",
+    "link_reorder topic=reference probability=0.3 at=1",
+    "controller_silent at=8 for=0.75",
+    "controller_restarted at=4.5",
 )
 
 
@@ -99,7 +105,7 @@ def test_every_mode_logs_the_same_bytes(tmp_path: Path, mode: Mode) -> None:
 
 def test_the_command_line_takes_faults(space_robot: Tool, tmp_path: Path) -> None:
     """`run --fault` flies with it; its log says so like one of a file."""
-    place, typed = tmp_path / "run", ("--fault", FAULTS[0], "--fault", FAULTS[-1])
+    place, typed = tmp_path / "run", ("--fault", FAULTS[0], "--fault", FAULTS[10])
     done = space_robot("run", "liu2023/fig08", "--duration", "6", *typed, "--out", str(place), "--json")
     assert done.returncode in (0, 1), done.stderr
     assert json.loads(done.stdout)["end_reason"] == "completed"

@@ -89,6 +89,7 @@ def test_every_fault_of_a_run_has_a_name_of_its_own() -> None:
         ("sensor_delay", {"channel": "position", "delay": 0.25}, "faults.0.delay", "0.1 s"),
         ("sensor_frame", {"channel": "joint_position", "rpy_deg": (0.0, 0.0, 90.0)}, "faults.0.channel", "attitude"),
         ("sensor_bias", {"channel": "joint_position", "bias": (1.0, 2.0)}, "faults.0.bias", "7"),
+        ("controller_restarted", {"for": 1.0}, "faults.0.for", "controller_silent"),
     ],
 )  # fmt: skip
 def test_what_the_robot_or_the_run_does_not_have_is_refused(
@@ -144,7 +145,7 @@ def test_a_typed_fault_that_is_none_is_one_line(text: str, said: str) -> None:
 def test_the_catalogue_explains_every_kind() -> None:
     """Each kind is in one group, says what happens, and explains each key of its own with a unit where it has one."""
     assert [kind for kinds in groups().values() for kind in kinds] == list(KINDS)
-    assert list(groups()) == ["joints", "wheels", "thrusters", "body", "sensors"]
+    assert list(groups()) == ["joints", "wheels", "thrusters", "body", "sensors", "links", "nodes"]
     for kind in KINDS:
         assert meaning(kind).endswith(".")
         assert all(key.meaning for key in keys_of(kind))
