@@ -6,11 +6,13 @@ from collections.abc import Iterator
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_description.load import load_robot
-from space_robot_description.share import shipped
+from space_robot_description.share import config_dir, shipped
+from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_sim.faults.catalogue import common_keys, groups, keys_of, meaning
 from space_robot_studies.campaign.spec import read_campaign
 from space_robot_studies.reproduce.plan import manifest_path, read_manifest
+from space_robot_supervisor.table import SupervisionTable
 
 
 def catalogue(kind: str = "") -> dict[str, dict[str, str]]:
@@ -19,7 +21,13 @@ def catalogue(kind: str = "") -> dict[str, dict[str, str]]:
     Raises:
         SpecError: there is no such kind.
     """
-    says = {"experiments": _experiment, "papers": _paper, "campaigns": _campaign, "robots": _robot}
+    says = {
+        "experiments": _experiment,
+        "papers": _paper,
+        "campaigns": _campaign,
+        "supervision": _table,
+        "robots": _robot,
+    }
     if kind and kind not in says:
         raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join((*says, "faults")))
     return {one: {name: say(name) for name in shipped(one)} for one, say in says.items() if kind in ("", one)}
@@ -52,6 +60,10 @@ def _paper(name: str) -> str:
 def _campaign(name: str) -> str:
     spec = read_campaign(name)
     return f"{spec.runs} runs: {spec.title}"
+
+
+def _table(name: str) -> str:
+    return validate(SupervisionTable, parse_yaml(config_dir() / "supervision" / f"{name}.yaml"), name).title
 
 
 def _robot(name: str) -> str:

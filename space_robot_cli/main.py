@@ -49,10 +49,11 @@ INTERRUPTED = 130
 @app.command("list")
 def list_shipped(
     kind: Annotated[
-        str, typer.Argument(help="experiments, papers, campaigns, robots or faults; default: what is shipped")
+        str,
+        typer.Argument(help="experiments, papers, campaigns, supervision, robots or faults; default: what is shipped"),
     ] = "",
 ) -> None:
-    """List the shipped experiments, papers, campaigns and robots, or explain the faults there are."""
+    """List the shipped experiments, papers, campaigns, supervision tables and robots, or explain the faults."""
     from space_robot_cli.catalogue import catalogue, faults
 
     if kind == "faults":

@@ -24,6 +24,7 @@ _KINDS: dict[Kind, str] = {
     "command": "Command: its parts carry the stamp of the state they answer",
     "controller_telemetry": "what the law wants to be seen, under the stamp of its command",
     "controller_event": "what changed in flight how the law answers, from that stamp on",
+    "supervision_event": "what a supervisor found, under the stamp of the state it looked at",
     "plant_telemetry": "truth and conservation, under the stamp of the state",
     "plant_event": "what happens to the real robot, from that stamp on",
     "description": "text, once per run",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,3 +73,8 @@ class DiagnosticEvent:
     message: str
     hardware: str = ""
     values: tuple[tuple[str, str], ...] = ()
+
+
+def said(events: Iterable[DiagnosticEvent]) -> str:
+    """Events as one line; equal events give equal lines."""
+    return "; ".join(f"{one.name} {one.message} {dict(one.values)}" for one in events)

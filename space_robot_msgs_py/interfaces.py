@@ -183,11 +183,19 @@ def _flat(block: Any) -> Vector | tuple[float]:
 
 @dataclass(frozen=True, slots=True)
 class ControlOutput:
-    """A command, what the law wants to be seen of how it came about, and what has changed since the command before."""
+    """What a controller answers to a state.
+
+    Attributes:
+        command: to the plant.
+        telemetry: what the law wants to be seen of how it came about.
+        events: what has changed since the command before.
+        supervision: what a supervisor found at this tick, and changes of mode.
+    """
 
     command: Command
     telemetry: Telemetry
     events: tuple[ControllerEvent, ...] = ()
+    supervision: tuple[DiagnosticEvent, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ Kind = Literal[
     "command",
     "controller_telemetry",
     "controller_event",
+    "supervision_event",
     "plant_telemetry",
     "plant_event",
     "description",
@@ -110,6 +111,16 @@ CONTROLLER_EVENTS = Topic(
     "gains changed and laws switched in flight, one JSON line each: stamp [ns] of the first command it acts on, kind, "
     "content; sent before that command",
     sporadic=True,
+)
+EVENTS = Topic(
+    "events",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "supervision_event",
+    "controller",
+    "what a supervisor found at the stamp: monitors that fire and clear, with value and severity, and changes of mode; "
+    "sent before the command",
+    sporadic=True,
+    optional=True,
 )
 WRENCH_COMMAND = Topic(
     "base/wrench_command",
@@ -224,6 +235,7 @@ TABLE: tuple[Topic, ...] = (
     REFERENCE_BASE_ACCEL,
     REFERENCE_JOINTS,
     CONTROLLER_EVENTS,
+    EVENTS,
     WRENCH_COMMAND,
     JOINT_COMMAND,
     CONTROLLER_TELEMETRY,

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from space_robot_description.robot import Robot
-from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.events import WARN, DiagnosticEvent
 from space_robot_msgs_py.interfaces import Command, Vector
 from space_robot_sim.spec import CommandCheck, MonitorSpec
@@ -88,18 +86,3 @@ class CommandMonitor:
 
     def _tell(self, name: str, message: str, values: tuple[tuple[str, str], ...]) -> None:
         self._found.append((name, message, values))
-
-
-def command_limit(robot: Robot) -> Vector:
-    """(6+n,) what the actuators can give along each channel [N, N m]; infinite where nothing acts."""
-    limit, actuators = np.full(6 + robot.n, np.inf), robot.actuators
-    if actuators.base_force is not None:
-        limit[:3] = actuators.base_force.limit
-    if isinstance(actuators.base_torque, ReactionWheels):
-        axes = np.array(actuators.base_torque.axes, dtype=np.float64)
-        unit = axes / np.linalg.norm(axes, axis=1, keepdims=True)
-        limit[3:6] = actuators.base_torque.torque * np.abs(unit).sum(axis=0)
-    else:
-        limit[3:6] = actuators.base_torque.limit
-    limit[6:] = robot.effort_limit
-    return limit

@@ -8,13 +8,14 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.actuation import command_limit
 from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.command_hold import Acting, CommandHold
-from space_robot_sim.command_monitor import CommandMonitor, command_limit
+from space_robot_sim.command_monitor import CommandMonitor
 from space_robot_sim.faults.actuation import ActuationStage, brake
 from space_robot_sim.faults.joints import JointFriction
 from space_robot_sim.faults.plan import FaultPlan

@@ -12,6 +12,7 @@ import numpy as np
 from space_robot_bringup.compose.controllers import law_sources, make_controller
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
 from space_robot_bringup.compose.plants import PLANTS, PlantParts
+from space_robot_bringup.compose.supervision import check_supervision, supervised
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
 from space_robot_bringup.judge.metrics import axis_names, metric_names
@@ -31,7 +32,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
-from space_robot_msgs_py.topics import FAULTS, PLANT_EVENTS, Topic
+from space_robot_msgs_py.topics import EVENTS, FAULTS, PLANT_EVENTS, Topic
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
@@ -74,7 +75,7 @@ class Composition:
     @property
     def optional_topics(self) -> tuple[Topic, ...]:
         """The topics that only some runs have and this one does."""
-        told = {FAULTS: self.faults, PLANT_EVENTS: self.experiment.plant.monitor}
+        told = {EVENTS: self.experiment.supervision, FAULTS: self.faults, PLANT_EVENTS: self.experiment.plant.monitor}
         return tuple(topic for topic, asked in told.items() if asked is not None)
 
     @property
@@ -114,7 +115,11 @@ class Composition:
             CodeError: the policy does not let a law be imported.
         """
         experiment = self.experiment
-        law = make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
+        law: Law
+        if experiment.supervision is not None:
+            law = supervised(experiment, self.nominal, self.policy)
+        else:
+            law = make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
         if self.faults is not None:
             law.inbox = ControllerInbox(self.faults)
         return law
@@ -164,6 +169,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
             value="keep",
             accepted="reject",
         )
+    check_supervision(experiment)
     robot = load_robot(experiment.robot)
     nominal = _variant(robot, _believed(experiment), seeds[0])
     truth = _variant(robot, experiment.plant, seeds[1])

@@ -75,7 +75,8 @@ def make_node(
     if role == "guidance":
         return GuidanceNode(composition.reference(), names, **timing, **options)
     if role == "controller":
-        return ControllerNode(composition.controller, names, **options)
+        supervised = composition.experiment.supervision is not None
+        return ControllerNode(composition.controller, names, supervised=supervised, **options)
     timing |= optional
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options

@@ -9,11 +9,11 @@ from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.controller_events import happen
 from space_robot_bringup.replay.recording import Recording, other_code
 from space_robot_bringup.replay.result import Outcome, absent_topics
-from space_robot_msgs_py.codec.codecs import TickCodec, decode_events
+from space_robot_msgs_py.codec.codecs import TickCodec, decode_events, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent, said
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
-from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, topics_of
+from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, EVENTS, topics_of
 
 FAILED = "controller: "
 _ANSWERS = (*topics_of("command"), CONTROLLER_TELEMETRY)
@@ -98,7 +98,16 @@ class _Replay:
         fresh = "; ".join(event.line for event in output.events)
         recorded = "; ".join(event.line for event in self._events(parts))
         self._comparison.event(CONTROLLER_EVENTS.name, stamp, "events", recorded, fresh)
+        self._comparison.event(EVENTS.name, stamp, "events", said(self._found(parts)), said(output.supervision))
         return ""
+
+    def _found(self, parts: Mapping[str, bytes]) -> tuple[DiagnosticEvent, ...]:
+        raw = parts.get(EVENTS.name)
+        try:
+            return () if raw is None else decode_statuses(raw)
+        except SpaceRobotError as error:
+            self._notes[f"recorded events cannot be read ({error})"] += 1
+            return ()
 
     def _happen(self, parts: Mapping[str, bytes]) -> None:
         """Do to the fresh law what was done to the recorded one in flight; it tells of it by itself."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
@@ -11,7 +11,7 @@ from space_robot_bringup.replay.recording import Recording
 from space_robot_bringup.replay.result import Outcome, absent_topics
 from space_robot_msgs_py.codec.codecs import TickCodec, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.events import DiagnosticEvent
+from space_robot_msgs_py.events import DiagnosticEvent, said
 from space_robot_msgs_py.interfaces import Command, PlantSample
 from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.topics import BASE_ODOM, FAULTS, PLANT_EVENTS, PLANT_TELEMETRY, Topic, topics_of
@@ -82,7 +82,7 @@ class _Replay:
         telemetry = self._codec.plant_telemetry.encode(sample.telemetry)[0]
         self._comparison.compare(stamp, parts, [*state, (PLANT_TELEMETRY, telemetry)])
         for topic, events in ((FAULTS, sample.faults), (PLANT_EVENTS, sample.events)):
-            self._comparison.event(topic.name, stamp, "events", _said(self._recorded(topic, parts)), _said(events))
+            self._comparison.event(topic.name, stamp, "events", said(self._recorded(topic, parts)), said(events))
 
     def _recorded(self, topic: Topic, parts: Mapping[str, bytes]) -> tuple[DiagnosticEvent, ...]:
         raw = parts.get(topic.name)
@@ -134,11 +134,6 @@ class _Replay:
         if found is None and acted >= 0 and acted != stamp:
             self._notes["commands that acted are not in the log"] += 1
         return found
-
-
-def _said(faults: Iterable[DiagnosticEvent]) -> str:
-    """Events as one line; equal events give equal lines."""
-    return "; ".join(f"{one.name} {one.message} {dict(one.values)}" for one in faults)
 
 
 def _acted(codec: TickCodec, rows: list[Row]) -> Iterator[tuple[int, int]]:

@@ -19,6 +19,7 @@ from space_robot_msgs_py.limits import TELEMETRY_BYTES
 from space_robot_msgs_py.topics import (
     CONTROLLER_EVENTS,
     CONTROLLER_TELEMETRY,
+    EVENTS,
     FAULTS,
     PLANT_EVENTS,
     PLANT_TELEMETRY,
@@ -65,13 +66,14 @@ class TickCodec:
         values = (sample.state, tick.reference, output.command, output.telemetry, sample.telemetry)
         stamps = [value.stamp for value in values]
         stamps += [event.stamp for event in output.events]
-        stamps += [event.stamp for event in (*sample.faults, *sample.events)]
+        stamps += [event.stamp for event in (*sample.faults, *sample.events, *output.supervision)]
         if any(stamp != tick.stamp for stamp in stamps):
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return (
             *self.state.encode(sample.state),
             *self.reference.encode(tick.reference),
             encode_events(output.events) if output.events else None,
+            encode_statuses(output.supervision) if output.supervision else None,
             *self.command.encode(output.command),
             *self.controller_telemetry.encode(output.telemetry),
             encode_statuses(sample.faults) if sample.faults else None,
@@ -108,7 +110,10 @@ class TickCodec:
             ),
             reference,
             ControlOutput(
-                command, _telemetry(self.controller_telemetry, parts, state.stamp), _events(parts, state.stamp)
+                command,
+                _telemetry(self.controller_telemetry, parts, state.stamp),
+                _events(parts, state.stamp),
+                _statuses(EVENTS, parts, state.stamp),
             ),
         )
 
@@ -141,7 +146,7 @@ class TopicBytes:
         if topic is CONTROLLER_EVENTS:
             events = decode_events(raw)
             return events[0].stamp, encode_events(events)
-        if topic.kind == "plant_event":
+        if topic.kind in ("plant_event", "supervision_event"):
             faults = decode_statuses(raw)
             return faults[0].stamp, encode_statuses(faults)
         telemetry = self._telemetry.get(topic)

@@ -91,7 +91,7 @@ class SimulatorNode(ManagedNode):
         self._credit = -1 if self._recorded else self._steps * self._period
         self._state_publishers = [self.publisher(topic) for topic in self._states.topics]
         self._telemetry_publisher = self.publisher(PLANT_TELEMETRY)
-        self._event_publishers = {topic: self.publisher(topic) for topic in self._optional}
+        self._event_publishers = {one: self.publisher(one) for one in self._optional if one.kind == "plant_event"}
         self._clock_publisher = self.publisher(CLOCK)
         self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
         self._description_publisher.publish(encode_string(self._urdf))

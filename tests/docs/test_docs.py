@@ -34,6 +34,7 @@ KINDS = {
     "variant": "base",
     "model": "payload",
     "faults": "faults",
+    "supervision": "supervision",
 }
 # Pages whose commands need those before them.
 IN_ORDER = ("campaigns.md", "compare.md", "replay.md", "view.md")

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from space_robot_description.actuation import command_limit
 from space_robot_msgs_py.events import WARN
 from space_robot_msgs_py.interfaces import Command
-from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED, CommandMonitor, command_limit
+from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED, CommandMonitor
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from space_robot_sim.spec import HoldFor, MonitorSpec
 from tests.support.robots import arm_model, robot_of

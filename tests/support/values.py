@@ -26,7 +26,7 @@ HEADER = LogHeader(
     7,
     NAMES,
     {"numpy": "2", "mcap": "1"},
-    topics=("faults", "plant/events"),
+    topics=("events", "faults", "plant/events"),
 )
 
 joint_counts = st.integers(1, 14)
@@ -89,7 +89,8 @@ def _tick(stamp, n, rng):
         ControllerEvent(stamp, "parameters", {"values": {"gains.level": float(rng.normal())}}),
         ControllerEvent(stamp, "switch", {"from": "a", "to": "b"}),
     )
-    output = ControlOutput(Command(stamp, rng.normal(size=6), rng.normal(size=n)), telemetry, events)
+    found = (DiagnosticEvent(stamp, OK, "mode", "NOMINAL -> SAFE", "", (("cause", "tumbling"),)),)
+    output = ControlOutput(Command(stamp, rng.normal(size=6), rng.normal(size=n)), telemetry, events, found)
     faults = (
         DiagnosticEvent(
             stamp, ERROR, "joint_stuck elbow", "begins", "elbow", (("kind", "joint_stuck"), ("joint", "elbow"))
