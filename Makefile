@@ -7,13 +7,12 @@ OUT ?= out/demo
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 
-.PHONY: help demo test test-all check golden bench studies fuzz chaos clean
+.PHONY: help demo test check golden bench studies fuzz chaos clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo    fly two tasks in the ROS 2 graph; leaves bags and their pages in $(OUT)"
 	@echo "make test    the whole test suite with ruff, mypy and the import test"
-	@echo "make test-all also the tests that need an idle machine"
 	@echo "make check   ruff and mypy only"
 	@echo "make studies every figure and table of the three papers, and the laws compared; leaves pages in out/studies"
 	@echo "make golden  fly the reference logs of the tests again, and say what is different"
@@ -48,9 +47,6 @@ check: $(VENV)/.dev
 	$(BIN)/mypy
 
 test: check
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -m "not load"
-
-test-all: check
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 golden: $(VENV)/.run

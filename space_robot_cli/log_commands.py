@@ -114,13 +114,16 @@ def _publish(bags: list[Path], order: PublishOrder, tolerance: Tolerance) -> Non
 @app.command()
 def info(
     bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file, of any tool")],
+    full: Annotated[
+        bool, typer.Option("--full", help="look at every message of a bag of more than 64 MiB, too, not at its index")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Say what is in a bag: topics, rates, gaps, provenance, damage, verdict."""
     from space_robot_bringup.logs.info import bag_info
     from space_robot_cli.render import log as show
 
-    found = bag_info(bag)
+    found = bag_info(bag, full=full)
     if as_json:
         print(json.dumps(show.info_dict(found), allow_nan=False))
     else:

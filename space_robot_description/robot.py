@@ -27,6 +27,8 @@ class Robot:
         joint_upper: (n,) [rad or m]; may be +inf.
         joint_rate_limit: (n,) [rad/s or m/s]; may be +inf.
         home: (n,) joint positions to start from when nothing else is said [rad or m].
+        command_delay: control periods between the state a command answers and the period it acts in, for the laws;
+            the plant has its own.
         tool_frame: the link at the end of the arm, in ``model.frames``.
         resolved: the robot file with the URDF inside; ``load_robot`` makes the same robot from it, bit for bit.
     """
@@ -44,6 +46,7 @@ class Robot:
     joint_rate_limit: Vector
     home: Vector
     tool_frame: str = ""
+    command_delay: int = 0
     resolved: Mapping[str, Any] = field(default_factory=dict)
 
     @property

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import platform
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from importlib import metadata
 from math import radians
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from space_robot_bringup.compose.controllers import law_sources, make_controller
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
 from space_robot_bringup.compose.plants import PLANTS, PlantParts
-from space_robot_bringup.compose.supervision import check_supervision, supervised
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
 from space_robot_bringup.judge.metrics import axis_names, metric_names
 from space_robot_bringup.judge.verdict import check_bands, check_expectations
-from space_robot_control.laws.base import Law, Review
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
@@ -36,6 +35,9 @@ from space_robot_msgs_py.topics import EVENTS, FAULTS, PLANT_EVENTS, Topic
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
+
+if TYPE_CHECKING:
+    from space_robot_control.laws.base import Law, Review
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
@@ -96,6 +98,9 @@ class Composition:
         # What is written has to be readable: a recorded reference may be of any length until here.
         YAML_BYTES.check(len(text.encode()), "experiment, resolved")
         YAML_NODES.check(values_in(resolved.model_dump(mode="json")), "experiment, resolved")
+        # Only here and below: a log is judged without a law and its compiler, which take 90 MB.
+        from space_robot_bringup.compose.controllers import law_sources
+
         laws = law_sources(self.experiment.controller, self.policy)
         topics = tuple(topic.name for topic in self.optional_topics)
         return LogHeader(text, robot.urdf, self.experiment.seed, robot.joint_names, versions(), laws, topics)
@@ -114,9 +119,13 @@ class Composition:
             SpecError: a law or a gain cannot be used.
             CodeError: the policy does not let a law be imported.
         """
+        from space_robot_bringup.compose.controllers import make_controller
+
         experiment = self.experiment
         law: Law
         if experiment.supervision is not None:
+            from space_robot_bringup.compose.supervision import supervised
+
             law = supervised(experiment, self.nominal, self.policy)
         else:
             law = make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
@@ -129,12 +138,14 @@ class Composition:
         return self._reference
 
     def review(self) -> Review:
-        """What the law says about this flight before it: see ``Law.review``."""
+        """What the law says about this run before it, see ``Law.review``, and whether it knows when commands act."""
         source, experiment = self.reference(), self.experiment
         still = np.zeros(self._v0.size)
         stride = max(1, experiment.steps // PATH_POINTS)
         stamps = [tick * experiment.period for tick in range(0, experiment.steps + 1, stride)]
-        return self.controller().review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
+        law = self.controller()
+        found = law.review([Reference(0, self._q0, self._v0, still), *map(source.at, stamps)])
+        return replace(found, warnings=(*found.warnings, *_delay_warnings(experiment, law)))
 
 
 def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
@@ -169,9 +180,14 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
             value="keep",
             accepted="reject",
         )
-    check_supervision(experiment)
+    if experiment.supervision is not None:
+        # It knows the laws, which load a compiler.
+        from space_robot_bringup.compose.supervision import check_supervision
+
+        check_supervision(experiment)
     robot = load_robot(experiment.robot)
     nominal = _variant(robot, _believed(experiment), seeds[0])
+    nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
     truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
@@ -210,6 +226,14 @@ def _check_recorded(experiment: Experiment) -> None:
     if missing is not None:
         accepted = "one at every multiple of control_period up to the last"
         raise SpecError(f"none at {missing} ns", key="reference.stamps", value=list(spec.stamps[:3]), accepted=accepted)
+
+
+def _delay_warnings(experiment: Experiment, law: Law) -> Iterator[str]:
+    real, known = experiment.plant.delay_periods, experiment.nominal.delay_periods
+    if real > known:
+        yield f"plant.delay_periods={real}, but the law knows of {known}: see nominal.delay_periods"
+    if real and known and not law.uses_command_delay:
+        yield f"{law.name or type(law).__qualname__} takes no account of nominal.delay_periods={known}"
 
 
 def _believed(experiment: Experiment) -> ModelSpec:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     Field,
@@ -66,6 +66,9 @@ class NominalSpec(ModelSpec):
 
     payload_known: Annotated[float, Field(ge=0.0, le=1.0)] | None = Field(
         default=None, description="instead of payload: this fraction of the real payload's mass and inertia [-]"
+    )
+    delay_periods: Literal[0, 1] = Field(
+        default=0, description="a command acts in the period of its state, or the next, as far as the laws know"
     )
 
     @model_validator(mode="after")

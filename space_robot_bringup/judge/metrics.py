@@ -1,20 +1,15 @@
-"""Numbers that judge a run, from its ticks alone: the log is all they need."""
+"""The numbers a run is judged by: their names, and how far a motion is from where it should be."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_msgs_py.errors import NonFiniteError
-from space_robot_msgs_py.interfaces import NANOSECONDS, Tick, Vector
-from space_robot_msgs_py.log.arrays import stack_telemetry
-
 Matrix = npt.NDArray[np.float64]
 
-SETTLING_BAND = 0.02
 BASE_AXES = ("base/x", "base/y", "base/z", "base/roll", "base/pitch", "base/yaw")
 PER_AXIS = ("final_error", "max_error", "rms_error", "settling_time", "overshoot")
 PER_RUN = (
@@ -25,18 +20,6 @@ PER_RUN = (
     "effort_integral",
     "joint_limit",
 )
-PLANT_BLOCKS = (
-    "true_configuration",
-    "saturation",
-    "applied_wrench",
-    "applied_effort",
-    "momentum_residual",
-    "energy_residual",
-    "quaternion_residual",
-    "joint_limit",
-)
-STILL = 1e-9
-MOVED = 1e-6
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -111,52 +94,6 @@ def metric_names(joint_names: Sequence[str], *, base_translation: bool) -> list[
     return [f"{axis}.{field}" for axis in axes for field in PER_AXIS] + list(PER_RUN)
 
 
-def measure(
-    ticks: Iterable[Tick],
-    joint_names: Sequence[str],
-    *,
-    base_translation: bool,
-    prismatic: Sequence[bool] = (),
-    bands: Mapping[str, float] | None = None,
-) -> RunMetrics:
-    """Judge a run by its true motion.
-
-    Args:
-        ticks: all ticks in order; at least one.
-        joint_names: for the names of axes.
-        base_translation: also judge the base position (free-flying).
-        prismatic: (n) True where a joint is a length; empty: all are angles.
-        bands: axis to the half width of its settling band [deg or m], instead of 2 % of its travel.
-
-    Raises:
-        NonFiniteError: there is no tick, or a number is not finite.
-        LayoutError: a block of the plant's telemetry is missing, or its layout changes.
-    """
-    rows = list(ticks)
-    if not rows:
-        raise NonFiniteError(
-            "a run without a complete tick cannot be judged", key="ticks", value=0, accepted="at least 1"
-        )
-    time = np.array([tick.stamp for tick in rows]) / NANOSECONDS
-    plant = stack_telemetry([tick.sample.telemetry for tick in rows], PLANT_BLOCKS)
-    truth = plant["true_configuration"]
-    desired = np.array([tick.reference.q for tick in rows])
-    moving = np.abs(np.array([tick.reference.v for tick in rows])).max(axis=1) > STILL
-    errors, from_goal = deviations(truth, desired), deviations(truth, np.repeat(desired[-1:], len(rows), axis=0))
-    names = axis_names(joint_names, base_translation=True)
-    lengths = [True] * 3 + [False] * 3 + list(prismatic or [False] * len(joint_names))
-    units = ["m" if length else "deg" for length in lengths]
-    scale = np.where(lengths, 1.0, np.degrees(1.0))
-    width = bands or {}
-    axes = tuple(
-        _axis(
-            names[i], units[i], time, errors[:, i] * scale[i], from_goal[:, i] * scale[i], moving, width.get(names[i])
-        )
-        for i in range(0 if base_translation else 3, len(names))
-    )
-    return _with_totals(plant, time, axes)
-
-
 def deviations(q: Matrix, goal: Matrix) -> Matrix:
     """How far configurations are from goals.
 
@@ -179,57 +116,3 @@ def _rotation_vectors(goal: Matrix, q: Matrix) -> Matrix:
     angle, far = 2.0 * np.arctan2(length, np.abs(w)), length > 0.0
     out: Matrix = vectors * np.divide(angle, length, out=np.full(length.size, 2.0), where=far)[:, None]
     return out
-
-
-def _axis(
-    name: str,
-    unit: str,
-    time: Vector,
-    error: Vector,
-    from_goal: Vector,
-    moving: npt.NDArray[np.bool_],
-    band: float | None,
-) -> Axis:
-    travel = abs(from_goal[0])
-    settling: float | None = None
-    overshoot: float | None = None
-    if travel > MOVED and not moving[-1]:
-        outside = np.flatnonzero(np.abs(from_goal) > (SETTLING_BAND * travel if band is None else band))
-        if outside.size == 0 or outside[-1] + 1 < time.size:
-            settling = float(time[outside[-1] + 1] - time[0]) if outside.size else 0.0
-        overshoot = float(max(0.0, (-np.sign(from_goal[0]) * from_goal).max()) / travel * 100.0)
-    return Axis(
-        name=name,
-        unit=unit,
-        travel=float(travel),
-        final_error=float(abs(error[-1])),
-        max_error=float(np.abs(error).max()),
-        rms_error=float(np.sqrt(np.mean(error**2))),
-        settling_time=settling,
-        overshoot=overshoot,
-    )
-
-
-def _with_totals(plant: Mapping[str, Matrix], time: Vector, axes: tuple[Axis, ...]) -> RunMetrics:
-    saturated = plant["saturation"].max(axis=1, initial=0.0) > 0.0
-    torque = np.abs(plant["applied_wrench"][:, 3:]).sum(axis=1) + np.abs(plant["applied_effort"]).sum(axis=1)
-    period = np.diff(time, prepend=time[0])
-    metrics = RunMetrics(
-        ticks=time.size,
-        simulated_time=float(time[-1] - time[0]),
-        axes=axes,
-        saturation_share=float(np.mean(saturated[1:] if time.size > 1 else saturated)),
-        momentum_residual=_largest(plant["momentum_residual"]),
-        energy_residual=_largest(plant["energy_residual"]),
-        quaternion_residual=_largest(plant["quaternion_residual"]),
-        effort_integral=float(torque @ period),
-        joint_limit=_largest(plant["joint_limit"]),
-    )
-    for key, value in metrics.flat().items():
-        if value is not None and not np.isfinite(value):
-            raise NonFiniteError("a metric is not finite", key=key, value=value, accepted="a finite number")
-    return metrics
-
-
-def _largest(block: Matrix) -> float:
-    return float(np.max(np.abs(block), initial=0.0))

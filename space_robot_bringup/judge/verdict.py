@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from space_robot_bringup.experiment.experiment import Expectation
 from space_robot_bringup.judge.metrics import RunMetrics
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
+from space_robot_msgs_py.log.arrays import Stamps
 
 # A plant that loses more than this is wrong, whatever the controller does.
 PLANT_BOUNDS = {"momentum_residual": 1e-8, "energy_residual": 1e-7, "quaternion_residual": 1e-8}
@@ -78,7 +81,9 @@ def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: st
     return tuple(checks)
 
 
-def check_ticks(stamps: Sequence[int], steps: int, period: int, lacks: Callable[[int], str] = lambda tick: "") -> Check:
+def check_ticks(
+    stamps: Sequence[int] | Stamps, steps: int, period: int, lacks: Callable[[int], str] = lambda tick: ""
+) -> Check:
     """The run is there as a whole: every tick that was asked for, the last one too, and no other.
 
     Args:
@@ -87,7 +92,8 @@ def check_ticks(stamps: Sequence[int], steps: int, period: int, lacks: Callable[
         period: control period [ns].
         lacks: says what a tick that is not complete lacks.
     """
-    missing = next((tick for tick, stamp in enumerate(stamps) if stamp != tick * period), len(stamps))
+    wrong = np.flatnonzero(np.asarray(stamps, dtype=np.int64) != np.arange(len(stamps)) * period)
+    missing = int(wrong[0]) if wrong.size else len(stamps)
     whole = len(stamps) == steps + 1 == missing
     wanted = f"{steps + 1} complete ticks up to {steps * period / NANOSECONDS:g} s"
     if not whole and missing <= steps:

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.judge.judging import Judge, Judgement, log_block
 from space_robot_bringup.judge.metrics import RunMetrics
 from space_robot_bringup.judge.verdict import Check
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
-from space_robot_bringup.modes.run import judge_ticks
-from space_robot_msgs_py.codec.codecs import TickCodec
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
-from space_robot_msgs_py.interfaces import NANOSECONDS, Tick
-from space_robot_msgs_py.log.arrays import LogArrays, Row, stack_ticks
+from space_robot_msgs_py.interfaces import NANOSECONDS
+from space_robot_msgs_py.log.arrays import LogArrays, Row
+from space_robot_msgs_py.log.blocks import BlockStacker
 from space_robot_msgs_py.log.directory import custom_data
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.thinning import Thinner
 from space_robot_msgs_py.paths import StrPath
+
+# A log may say of every tick that something was changed.
+MAX_EVENTS = 10_000
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -32,12 +36,13 @@ class JudgedLog:
         header: provenance.
         mode: headless, graph or processes; empty where nothing says it.
         end_reason: None if the log was cut.
-        arrays: its complete ticks, stacked.
+        ticks: how many complete ones it has.
+        arrays: its complete ticks, stacked; of a long log some, see ``Thinner``.
         experiment: None where the one in the log cannot be read here.
         composition: None where the experiment cannot be composed here.
-        metrics: None without a composition.
+        metrics: of all ticks; None without a composition.
         checks: the verdict, bound by bound; empty without a composition.
-        events: what was changed in flight, in order.
+        events: what was changed in the run, in order; the first 10,000.
         troubles: what is wrong with the log, a line each; empty for a whole one.
     """
 
@@ -45,6 +50,7 @@ class JudgedLog:
     header: LogHeader
     mode: str
     end_reason: str | None
+    ticks: int
     arrays: LogArrays
     experiment: Experiment | None
     composition: Composition | None
@@ -65,49 +71,90 @@ def read_judged(path: StrPath) -> JudgedLog:
         LogError: it is not a run log, or no complete tick can be read.
     """
     reader = LogReader(path)
-    troubles: list[str] = []
-    rows, ticks = _readable(reader, troubles)
-    if not ticks:
+    found: list[str] = []
+    experiment, composition = _experiment(reader.header, found)
+    reading = _Reading(reader, composition)
+    arrays, troubles = reading.thinner.arrays(), reading.troubles
+    if arrays is None:
         why = f": {troubles[0]}" if troubles else ""
         raise LogError(f"no complete tick can be read{why}", key=str(path))
-    arrays = stack_ticks(rows, reader.header.joint_names, str(path))
     end_reason = _end_reason(reader, troubles)
     if end_reason is None:
         troubles.append(f"the log was cut: what is here ends at {arrays.time[-1]:g} s, and why is not known")
-    experiment, composition = _experiment(reader.header, troubles)
-    metrics, checks = _judge(ticks, composition, end_reason, troubles)
+    metrics, checks = reading.judged(end_reason or "cut", found)
     return JudgedLog(
         path=reader.path,
         header=reader.header,
         mode=_mode(reader.path),
         end_reason=end_reason,
+        ticks=reading.thinner.ticks,
         arrays=arrays,
         experiment=experiment,
         composition=composition,
         metrics=metrics,
         checks=checks,
-        events=tuple(event for tick in ticks for event in tick.output.events),
-        troubles=tuple(troubles),
+        events=tuple(reading.events),
+        troubles=(*troubles, *found),
     )
 
 
-def _readable(reader: LogReader, troubles: list[str]) -> tuple[list[Row], list[Tick]]:
-    """The complete ticks up to the first damage that can be seen."""
-    codec = TickCodec(reader.header.joint_names)
-    rows, ticks, unfit = list[Row](), list[Tick](), list[str]()
-    try:
-        for stamp, parts in reader.rows():
-            try:
-                ticks.append(codec.decode(parts))
-                rows.append((stamp, parts))
-            except SpaceRobotError as error:
-                unfit.append(f"tick at {stamp / NANOSECONDS:g} s left out: {error}")
-    except LogError as error:
-        troubles.append(str(error))
-    troubles += unfit[:1]
-    if len(unfit) > 1:
-        troubles.append(f"{len(unfit) - 1} more ticks left out")
-    return rows, ticks
+class _Reading:
+    """One pass over a log up to the first damage that can be seen.
+
+    Args:
+        reader: of the log.
+        composition: what it is judged by; None: it is not.
+
+    Attributes:
+        thinner: has the ticks, as far as they are drawn.
+        events: what was changed in the run.
+        troubles: what is wrong with the log.
+
+    Raises:
+        LogError: the shape of telemetry changes in the course of the log.
+    """
+
+    def __init__(self, reader: LogReader, composition: Composition | None) -> None:
+        self._judge = Judge(composition) if composition is not None else None
+        self.thinner = Thinner()
+        self.events: list[ControllerEvent] = []
+        self.troubles: list[str] = []
+        self._unfit, first = 0, ""
+        for block in BlockStacker(reader.header.joint_names, str(reader.path)).blocks(self._rows(reader)):
+            self.events += block.events[: MAX_EVENTS - len(self.events)]
+            if block.unfit and not first:
+                stamp, error = block.unfit[0]
+                first = f"tick at {stamp / NANOSECONDS:g} s left out: {error}"
+            self._unfit += len(block.unfit)
+            if block.arrays is not None:
+                self.thinner.add(block.arrays)
+                if self._judge is not None:
+                    self._judge.add(log_block(block.arrays))
+        self._tell(first)
+
+    def judged(self, reason: str, troubles: list[str]) -> Judgement:
+        """Metrics and verdict; why there is none is added to the troubles."""
+        if self._judge is None:
+            return None, ()
+        try:
+            return self._judge.verdict(reason)
+        except (SpaceRobotError, ValueError) as error:
+            # A log of another plant may lack the telemetry that metrics are made of.
+            troubles.append(f"no verdict: {error}")
+            return None, ()
+
+    def _rows(self, reader: LogReader) -> Iterator[Row]:
+        try:
+            yield from reader.rows()
+        except LogError as error:
+            self.troubles.append(str(error))
+
+    def _tell(self, unfit: str) -> None:
+        self.troubles += [unfit] if unfit else []
+        if self._unfit > 1:
+            self.troubles.append(f"{self._unfit - 1} more ticks left out")
+        if self.thinner.thinned:
+            self.troubles.append(f"{self.thinner.ticks} ticks: all are judged, some are drawn, every peak among them")
 
 
 def _end_reason(reader: LogReader, troubles: list[str]) -> str | None:
@@ -126,19 +173,6 @@ def _experiment(header: LogHeader, troubles: list[str]) -> tuple[Experiment | No
     except SpaceRobotError as error:
         troubles.append(f"no verdict: the experiment in the log cannot be composed here: {error}")
         return experiment, None
-
-
-def _judge(
-    ticks: Sequence[Tick], composition: Composition | None, end_reason: str | None, troubles: list[str]
-) -> tuple[RunMetrics | None, tuple[Check, ...]]:
-    if composition is None:
-        return None, ()
-    try:
-        return judge_ticks(ticks, composition, end_reason or "cut")
-    except (SpaceRobotError, ValueError) as error:
-        # A log of another plant may lack the telemetry that metrics are made of.
-        troubles.append(f"no verdict: {error}")
-        return None, ()
 
 
 def _mode(path: Path) -> str:

@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 from array import array
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.judge.judging import judge_blocks
 from space_robot_bringup.judge.verdict import Check
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
-from space_robot_bringup.modes.run import judge_ticks
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.bounded_files import is_file
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
-from space_robot_msgs_py.log.bag import Bag
+from space_robot_msgs_py.log.bag import Bag, Missing
 from space_robot_msgs_py.log.directory import custom_data
 from space_robot_msgs_py.log.mcap.salvage import Damage
+from space_robot_msgs_py.log.mcap.summary import Summary, SummaryTopic, read_summary
+from space_robot_msgs_py.log.preamble import END_NAME
 from space_robot_msgs_py.log.reader import LogReader
 
+# Larger bags are looked at by their index [bytes].
+LARGE = 64 << 20
 # An interval that is so many times the median is a gap.
 GAP = 1.5
 
@@ -37,7 +43,7 @@ class TopicInfo:
         first: time of the first [ns].
         last: time of the last [ns].
         rate: mean [Hz]; None for fewer than two.
-        gaps: intervals longer than 1.5 times the median.
+        gaps: intervals longer than 1.5 times the median; None: not looked for.
         longest_gap: [s]; 0 without gaps.
     """
 
@@ -47,7 +53,7 @@ class TopicInfo:
     first: int
     last: int
     rate: float | None
-    gaps: int
+    gaps: int | None
     longest_gap: float
 
 
@@ -81,7 +87,9 @@ class BagInfo:
         versions: of everything that can change the bits of a run.
         end_reason: None: it was cut, or is another tool's.
         damage: bytes that are lost.
+        missing: messages by topic that the bag counts at its end and that are not in it.
         verdict: of the run.
+        by_index: only what the index of its files says is known, no message was looked at.
     """
 
     path: Path
@@ -91,7 +99,9 @@ class BagInfo:
     versions: Mapping[str, str]
     end_reason: str | None
     damage: tuple[Damage, ...]
+    missing: Mapping[str, int]
     verdict: Verdict
+    by_index: bool = False
 
     @property
     def messages(self) -> int:
@@ -99,27 +109,71 @@ class BagInfo:
         return sum(topic.count for topic in self.topics)
 
 
-def bag_info(path: Path) -> BagInfo:
+def bag_info(path: Path, *, full: bool = False) -> BagInfo:
     """Look at a bag, as far as it can be read.
+
+    A large bag is looked at by its index, which takes a second whatever its size. Gaps, damage and the verdict need
+    every message.
+
+    Args:
+        path: of a bag of any tool.
+        full: look at every message of a large bag, too.
 
     Raises:
         InputFileError: there is no bag, or nothing of it can be read.
     """
     bag = Bag(path)
+    if not full and sum(file.stat().st_size for file in bag.files) > LARGE:
+        summaries = [summary for file in bag.files if (summary := read_summary(file)) is not None]
+        if len(summaries) == len(bag.files):
+            with suppress(LogError):
+                return _by_index(bag, summaries)
     types: dict[str, str] = {}
     times: dict[str, array[int]] = {}
-    damage: list[Damage] = []
+    damage, missing = list[Damage](), Counter[str]()
     for item in bag.messages():
         if isinstance(item, Damage):
             damage.append(item)
-            continue
-        types.setdefault(item.topic, item.type)
-        times.setdefault(item.topic, array("Q")).append(item.time)
+        elif isinstance(item, Missing):
+            missing[item.topic] += item.count
+        else:
+            types.setdefault(item.topic, item.type)
+            times.setdefault(item.topic, array("Q")).append(item.time)
     topics = tuple(_topic(name, types[name], stamps) for name, stamps in times.items())
-    files = [path] if is_file(path) else [file for file in path.iterdir() if is_file(file)]
-    size = sum(file.stat().st_size for file in files)
     provenance, versions, reason, verdict = _ours(bag)
-    return BagInfo(path, size, topics, provenance, versions, reason, tuple(damage), verdict)
+    return BagInfo(path, _size(path), topics, provenance, versions, reason, tuple(damage), missing, verdict)
+
+
+def _by_index(bag: Bag, summaries: Sequence[Summary]) -> BagInfo:
+    """What the indices of all files of a bag say.
+
+    Raises:
+        LogError: one is damaged.
+    """
+    parts: dict[str, list[SummaryTopic]] = {}
+    reason = None
+    for summary in summaries:
+        for topic in summary.topics():
+            parts.setdefault(topic.name, []).append(topic)
+        reason = summary.metadata().get(END_NAME, {}).get("reason", reason)
+    topics = tuple(_merged(found) for found in parts.values())
+    provenance, versions, _ = _provenance(bag)
+    verdict = Verdict(why_not=f"more than {LARGE >> 20} MiB: --full looks at every message")
+    ended = reason if provenance else None
+    return BagInfo(bag.path, _size(bag.path), topics, provenance, versions, ended, (), {}, verdict, by_index=True)
+
+
+def _merged(parts: Sequence[SummaryTopic]) -> TopicInfo:
+    """One topic out of the files of a bag."""
+    count = sum(part.count for part in parts)
+    first, last = min(part.first for part in parts), max(part.last for part in parts)
+    span = (last - first) / NANOSECONDS
+    return TopicInfo(parts[0].name, parts[0].type, count, first, last, (count - 1) / span if span else None, None, 0.0)
+
+
+def _size(path: Path) -> int:
+    files = [path] if is_file(path) else [file for file in path.iterdir() if is_file(file)]
+    return sum(file.stat().st_size for file in files)
 
 
 def _topic(name: str, ros_type: str, times: Sequence[int]) -> TopicInfo:
@@ -135,19 +189,31 @@ def _topic(name: str, ros_type: str, times: Sequence[int]) -> TopicInfo:
 
 def _ours(bag: Bag) -> tuple[dict[str, str], dict[str, str], str | None, Verdict]:
     """What only a log of this project says about itself."""
+    provenance, versions, found = _provenance(bag)
+    if isinstance(found, Verdict):
+        return provenance, versions, None, found
+    reader, experiment = found
+    reason = None
+    try:
+        reason = reader.end_reason
+        return provenance, versions, reason, _verdict(reader, experiment, reason)
+    except SpaceRobotError as error:
+        return provenance, versions, reason, Verdict(why_not=str(error))
+
+
+def _provenance(bag: Bag) -> tuple[dict[str, str], dict[str, str], tuple[LogReader, Experiment] | Verdict]:
+    """What stands in front of the messages, and what was run, or why that is not known."""
     try:
         reader = LogReader(bag.path)
     except (LogError, InputFileError) as error:
-        return {}, {}, None, Verdict(why_not=f"no experiment in it ({error.message})")
+        return {}, {}, Verdict(why_not=f"no experiment in it ({error.message})")
     provenance = {"seed": str(reader.header.seed)} | custom_data(reader.path)
     provenance.pop("end_reason", None)
     try:
         experiment = logged_experiment(reader.header.experiment)
-        provenance = _words(experiment) | provenance
-        reason = reader.end_reason
-        return provenance, reader.header.versions, reason, _verdict(reader, experiment, reason)
+        return _words(experiment) | provenance, reader.header.versions, (reader, experiment)
     except SpaceRobotError as error:
-        return provenance, reader.header.versions, None, Verdict(why_not=str(error))
+        return provenance, reader.header.versions, Verdict(why_not=str(error))
 
 
 def _words(experiment: Experiment) -> dict[str, str]:
@@ -164,7 +230,5 @@ def _words(experiment: Experiment) -> dict[str, str]:
 
 
 def _verdict(reader: LogReader, experiment: Experiment, reason: str | None) -> Verdict:
-    ticks = list(reader.ticks())
-    if not ticks:
-        return Verdict(why_not="no complete tick")
-    return Verdict(judge_ticks(ticks, compose_logged(experiment), reason or "cut")[1])
+    metrics, checks = judge_blocks(reader.blocks(), compose_logged(experiment), reason or "cut")
+    return Verdict(checks) if metrics is not None else Verdict(why_not="no complete tick")

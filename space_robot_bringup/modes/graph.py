@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import redirect_stderr
 from dataclasses import dataclass
 from pathlib import Path
@@ -99,13 +99,28 @@ MANAGED = ("controller", "simulator")
 def make_graph(
     composition: Composition, directory: Path | RunDirectory, *, context: Context, realtime: float | None = None
 ) -> Graph:
-    """All nodes of a run in one context, brought up and ready to spin."""
-    made: dict[str, Any] = {
-        role: make_node(role, composition, directory, realtime=realtime, mode="graph", context=context, **LIGHT)
-        for role in ROLES
-    }
-    bring_up(made.values())
+    """All nodes of a run in one context, brought up and ready to spin.
+
+    Raises:
+        Exception: what a node failed with; no node is left, and the log, if there is one, says so.
+    """
+    made: dict[str, Any] = {}
+    try:
+        for role in ROLES:
+            options: dict[str, Any] = {"mode": "graph", "context": context, **LIGHT}
+            made[role] = make_node(role, composition, directory, realtime=realtime, **options)
+        bring_up(made.values())
+    except BaseException as error:
+        if "recorder" in made:
+            made["recorder"].finish(error.reason if isinstance(error, Interrupted) else f"not started: {error}")
+        _destroy(made.values())
+        raise
     return Graph(**made)
+
+
+def _destroy(nodes: Iterable[GraphNode]) -> None:
+    for node in nodes:
+        node.destroy_node()
 
 
 def fly_graph(composition: Composition, directory: Path | RunDirectory, *, realtime: float | None, hooks: Hooks) -> str:
@@ -117,8 +132,7 @@ def fly_graph(composition: Composition, directory: Path | RunDirectory, *, realt
         finally:
             # Whatever happened above, what was recorded is closed and readable.
             graph.recorder.finish(graph.simulator.end_reason or "failed")
-            for node in graph.nodes:
-                node.destroy_node()
+            _destroy(graph.nodes)
 
 
 def spin_graph(graph: Graph, context: Context, hooks: Hooks) -> str:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import Experiment
-from space_robot_bringup.judge.metrics import RunMetrics, measure
-from space_robot_bringup.judge.verdict import Check, check_end, check_ticks, judge
+from space_robot_bringup.judge.judging import Judge, log_block
+from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.verdict import Check, check_end
 from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks, Stopwatch
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.run_directory import GONE, RunDirectory
 from space_robot_msgs_py.log.writer import LogSink
@@ -124,8 +123,10 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
     """
     try:
         # Resolved as the writer did: `a/../b` is a place even where there is no `a`.
-        reader = LogReader(directory.resolve())
-        ticks, logged = list(reader.ticks()), reader.end_reason
+        reader, judging = LogReader(directory.resolve()), Judge(composition)
+        for block in reader.blocks():
+            judging.add(log_block(block))
+        logged = reader.end_reason
     except SpaceRobotError as error:
         reason = f"recorder: {error}" if reason == "completed" else reason
         return RunResult(directory, reason, None, (check_end(reason),), wall_time)
@@ -133,7 +134,7 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
         reason = "truncated" if logged is None else logged
     elif logged not in (None, "completed"):
         reason = str(logged)
-    metrics, checks = judge_ticks(ticks, composition, reason, Lacks(reader, composition))
+    metrics, checks = judging.verdict(reason, Lacks(reader, composition))
     return RunResult(directory, reason, metrics, checks, wall_time)
 
 
@@ -159,33 +160,6 @@ class Lacks:
         if absent == ["command"]:
             return f"has no command of the law {self._experiment.controller.law}"
         return f"has no {', no '.join(absent)}" if absent else ""
-
-
-def judge_ticks(
-    ticks: Sequence[Tick], composition: Composition, reason: str, lacks: Callable[[int], str] = lambda tick: ""
-) -> tuple[RunMetrics | None, tuple[Check, ...]]:
-    """Metrics and verdict of a run; no metrics where no tick was completed.
-
-    Args:
-        ticks: the complete ones.
-        composition: that was flown.
-        reason: of the end.
-        lacks: says what a tick lacks that is not complete.
-    """
-    experiment = composition.experiment
-    whole = check_ticks([tick.stamp for tick in ticks], experiment.steps, experiment.period, lacks)
-    if not ticks:
-        return None, (check_end(reason), whole)
-    flying = composition.nominal.base_mode == "free_flying"
-    metrics = measure(
-        ticks,
-        composition.joint_names,
-        base_translation=flying,
-        prismatic=composition.nominal.prismatic,
-        bands=experiment.settling_bands,
-    )
-    ended, *others = judge(metrics, experiment.expect, reason)
-    return metrics, (ended, whole, *others)
 
 
 def _fly(composition: Composition, directory: RunDirectory, mode: Mode, realtime: float | None, hooks: Hooks) -> str:

@@ -35,7 +35,7 @@ class Start(Strict):
         default=True, description="simulator and controller: configure and activate at once, or wait for ~/change_state"
     )
     patience: NonNegativeFloat = Field(
-        default=60.0, description="seconds to wait for a run to begin or to go on; 0, or without autostart: for ever"
+        default=300.0, description="seconds to wait for a run to begin or to go on; 0, or without autostart: for ever"
     )
 
 

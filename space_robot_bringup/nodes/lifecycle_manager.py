@@ -35,7 +35,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="space_robot_bringup.nodes.lifecycle_manager", description=__doc__)
     parser.add_argument("--nodes", nargs="+", default=list(MANAGED), help="in the order to bring them up")
     parser.add_argument("--to", choices=STATES, default="active", help="state to take them to; default active")
-    parser.add_argument("--patience", type=float, default=60.0, help="for every node [s]; default 60")
+    parser.add_argument(
+        "--patience", type=float, default=300.0, help="for every node [s]; default 300: its first start compiles"
+    )
     options = parser.parse_args(own)
     try:
         domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))

@@ -25,6 +25,10 @@ def print_info(console: Console, info: BagInfo) -> None:
         _say(console, "  versions: " + ", ".join(f"{name} {number}" for name, number in info.versions.items()))
     console.print(_topics(info))
     _damage(console, info.damage)
+    for topic, count in info.missing.items():
+        _say(console, f"missing: {count} messages on {topic}, which the bag counts at its end", "red")
+    if info.by_index:
+        _say(console, "by its index: gaps and damage were not looked for, --full does", "yellow")
     if info.provenance:
         _say(console, f"ended: {info.end_reason or 'the log was cut before its end'}")
     for check in info.verdict.checks:
@@ -57,7 +61,7 @@ def _cells(topic: TopicInfo) -> tuple[str, ...]:
         "-" if topic.rate is None else f"{topic.rate:.4g}",
         f"{topic.first / NANOSECONDS:.10g}",
         f"{topic.last / NANOSECONDS:.10g}",
-        str(topic.gaps),
+        "?" if topic.gaps is None else str(topic.gaps),
         f"{topic.longest_gap:.4g}" if topic.gaps else "-",
     )
 
@@ -78,6 +82,8 @@ def info_dict(info: BagInfo) -> dict[str, Any]:
         "versions": dict(info.versions),
         "end_reason": info.end_reason,
         "damage": [asdict(lost) for lost in info.damage],
+        "missing": dict(info.missing),
+        "by_index": info.by_index,
         "passed": info.verdict.passed,
         "why_not": info.verdict.why_not,
         "checks": [asdict(check) for check in info.verdict.checks],

@@ -11,8 +11,10 @@ from typing import ClassVar, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_control.command_delay import CommandDelay
 from space_robot_control.laws.tunable import Tunable
 from space_robot_control.tracking import prepare
+from space_robot_control.wheel_momentum import WheelMomentum
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import CommandError, ControlError, NonFiniteError, SpecError
@@ -61,12 +63,14 @@ class Law(Tunable, ABC):
     """A control law as a Controller: subclasses write ``compute`` and, if they remember anything, ``reset``.
 
     Subclasses with gains nest a ``Gains`` model and annotate ``gains: Gains``; every field has a default and a
-    description with its unit. ``telemetry_fields`` describes the blocks of telemetry, with their units. A law is a
+    description with its unit. ``telemetry_fields`` describes the blocks of telemetry, with their units;
+    ``uses_command_delay`` says that the law takes ``robot.command_delay`` into account. A law is a
     function of the states and references since the last ``reset``, of what ``tune`` changed between them, and of
     nothing else.
 
     Attributes:
         inbox: what stands between messages and law; None: nothing, as in every run without faults of links.
+        wheels: momentum of the nominal wheels at the stamp of the state, dead-reckoned from the applied commands.
 
     Args:
         robot: the NOMINAL robot; a law never sees the true one.
@@ -81,6 +85,7 @@ class Law(Tunable, ABC):
         """The numbers to tune; this law has none."""
 
     name: ClassVar[str] = ""
+    uses_command_delay: bool = False
     telemetry_fields: ClassVar[Mapping[str, str]] = {}
     gains: Gains
     inbox: Inbox | None = None
@@ -105,6 +110,8 @@ class Law(Tunable, ABC):
         self.control_period = control_period
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
+        self._sent = CommandDelay(robot.command_delay, none=False)
+        self.wheels = WheelMomentum(robot)
         prepare()
 
     @classmethod
@@ -139,6 +146,8 @@ class Law(Tunable, ABC):
         Overriding laws call this one too.
         """
         self._layout = None
+        self._sent.reset()
+        self.wheels = WheelMomentum(self.robot)
         self.restart_events()
 
     def reset_in_run(self) -> None:
@@ -150,12 +159,21 @@ class Law(Tunable, ABC):
         """Get ready to control after states that another law controlled; by default like the first of a run."""
         self.reset()
 
+    def take_over(self) -> None:
+        """``resume``, but the wheels go on turning."""
+        wheels = self.wheels
+        self.resume()
+        self.wheels = wheels
+
     def health(self) -> Mapping[str, float]:
         """Condition of an estimator in numbers, for diagnostics; computed only on demand."""
         return {}
 
     def on_applied(self, command: Command, *, own: bool) -> None:
         """Take note of the command that acts from now on; called once per period, by default without effect.
+
+        Where commands act later (``robot.command_delay``), it is the one that ``compute`` returned so many periods ago,
+        and zero with the stamp -1 before there is one.
 
         Args:
             command: the applied one.
@@ -164,8 +182,13 @@ class Law(Tunable, ABC):
         """
         del command, own
 
+    def note_applied(self, command: Command, *, own: bool) -> None:
+        """Let the wheels take up what acts from now on, then call ``on_applied``; for what calls ``control``."""
+        self.wheels.apply(command.u, self.control_period)
+        self.on_applied(command, own=own)
+
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
-        """Return command and telemetry for one state, of the same stamp; the command is taken as applied.
+        """Return command and telemetry for one state, of the same stamp; the command is taken as sent.
 
         Raises:
             CommandError: state or reference does not fit the robot or each other.
@@ -176,11 +199,12 @@ class Law(Tunable, ABC):
             if begins_anew:
                 self.reset_in_run()
         output = self.control(state, reference)
-        self.on_applied(output.command, own=True)
+        command, own = self._sent.acting(output.command, True)
+        self.note_applied(command, own=own)
         return output
 
     def control(self, state: RobotState, reference: Reference) -> ControlOutput:
-        """``update`` without ``on_applied``, for a caller that may apply another command.
+        """``update`` without ``note_applied``, for a caller that may apply another command.
 
         Raises:
             CommandError: state or reference does not fit the robot or each other.

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from space_robot_control.command_delay import CommandDelay
 from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_control.laws.tunable import GAINS
 from space_robot_control.tracking import error_blocks, tracking_errors
@@ -61,6 +62,8 @@ class Switching(Law):
         if len(laws) < 2:
             raise SpecError("nothing to switch to", key="laws", value=list(laws), accepted="two laws or more")
         self._laws, self._names = dict(laws), tuple(laws)
+        self.uses_command_delay = all(law.uses_command_delay for law in self._laws.values())
+        self._line: CommandDelay[Law | None] = CommandDelay(robot.command_delay, none=None)
         for _, name in switches:
             self._check_name(name)
         self._switches, self._handover = tuple(switches), round(handover * NANOSECONDS)
@@ -80,6 +83,7 @@ class Switching(Law):
         self._labels: dict[str, dict[str, int]] | None = None
         self._last: Vector | None = None
         self._bump, self._since = np.zeros(6 + self.n), -self._handover
+        self._line.reset()
 
     def switch_to(self, name: str) -> None:
         """Let that law take over at the next update.
@@ -148,8 +152,9 @@ class Switching(Law):
         if weight:
             u = u + weight * self._bump
             command = Command(state.stamp, u[:6], u[6:])
+        acting, owner = self._line.acting(command, None if weight else law)
         for other in self._laws.values():
-            other.on_applied(command, own=other is law and weight == 0.0)
+            other.note_applied(acting, own=other is owner)
         self._last = u
         shown = {label: block for label, block in output.telemetry.items() if label in self._labels[self._active]}
         return u, {
@@ -170,7 +175,7 @@ class Switching(Law):
             return False
         self.add_event("switch", {"from": self._active, "to": target})
         self._active = target
-        self._laws[target].resume()
+        self._laws[target].take_over()
         return True
 
     def _weight(self, stamp: int) -> float:

@@ -13,6 +13,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from space_robot_description.kernel.turns import Turns
+
 try:
     import numba
 except ImportError:
@@ -135,7 +137,7 @@ def _folder(package: str) -> Path | None:
 
 
 def _watch_all_sources(compiled: Any) -> None:
-    """Tie the cache entry to every kernel source.
+    """Tie the cache entry to every kernel source, and let processes that start together share the compiling.
 
     Numba compares only the file of the function itself, but a compiled function contains its callees from the other
     files: without this an edited callee would go on being used in its old form.
@@ -143,3 +145,4 @@ def _watch_all_sources(compiled: Any) -> None:
     cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
     if cache_file is not None:
         cache_file._source_stamp = digest(compiled.py_func)
+        compiled._cache = Turns(compiled._cache)

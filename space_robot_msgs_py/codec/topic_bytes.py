@@ -112,7 +112,7 @@ class TickCodec:
             ControlOutput(
                 command,
                 _telemetry(self.controller_telemetry, parts, state.stamp),
-                _events(parts, state.stamp),
+                events_of(parts, state.stamp),
                 _statuses(EVENTS, parts, state.stamp),
             ),
         )
@@ -176,7 +176,16 @@ class TopicBytes:
         return canonical_message(topic.type, raw)
 
 
-def _events(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, ...]:
+def events_of(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, ...]:
+    """The events of a tick; none where it has no message of them.
+
+    Args:
+        parts: canonical messages by topic name.
+        stamp: of the tick [ns].
+
+    Raises:
+        LayoutError: the message is unreadable, or of another stamp.
+    """
     raw = parts.get(CONTROLLER_EVENTS.name)
     events = () if raw is None else decode_events(raw)
     if events:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, Topic
 
 Row = tuple[int, dict[str, bytes]]
+Stamps = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -52,25 +54,28 @@ class LogArrays:
     plant: dict[str, Vector]
 
 
-def stack_ticks(rows: Sequence[Row], joint_names: Sequence[str], key: str) -> LogArrays:
+def stack_ticks(rows: Sequence[Row], joint_names: Sequence[str], key: str, *, one_stamp: bool = False) -> LogArrays:
     """Stack the ticks of a log.
 
     Args:
         rows: stamp [ns] and messages by topic name of each tick.
         joint_names: the robot's joints in model order.
         key: the file, for error messages.
+        one_stamp: the stamps in the messages must be those of the rows.
 
     Raises:
+        LayoutError: a stamp in a message is another one.
         LogError: a message does not fit, or the shape of telemetry changes.
         NonFiniteError: a number is NaN or infinite.
     """
     stamp = np.array([at for at, _ in rows], dtype=np.int64)
+    wanted = stamp if one_stamp else None
     try:
-        state = [_stack(rows, *one) for one in _parts(StateCodec(joint_names))]
-        reference = [_stack(rows, *one) for one in _parts(ReferenceCodec(joint_names))]
-        command = [_stack(rows, *one) for one in _parts(CommandCodec(joint_names))]
-        controller = _stack_telemetry(rows, CONTROLLER_TELEMETRY)
-        plant = _stack_telemetry(rows, PLANT_TELEMETRY)
+        state = [_stack(rows, *one, wanted) for one in _parts(StateCodec(joint_names))]
+        reference = [_stack(rows, *one, wanted) for one in _parts(ReferenceCodec(joint_names))]
+        command = [_stack(rows, *one, wanted) for one in _parts(CommandCodec(joint_names))]
+        controller = _stack_telemetry(rows, CONTROLLER_TELEMETRY, wanted)
+        plant = _stack_telemetry(rows, PLANT_TELEMETRY, wanted)
     except ValueError as error:
         if isinstance(error, NonFiniteError):
             raise
@@ -148,16 +153,27 @@ def _parts(codec: StateCodec | ReferenceCodec | CommandCodec) -> list[tuple[Topi
     return list(zip(codec.topics, codec.layouts, strict=True))
 
 
-def _stack(rows: Sequence[Row], topic: Topic, layout: Layout) -> list[Vector]:
-    """The arrays of a topic over time, without the stamp."""
-    arrays = layout.stack([parts[topic.name] for _, parts in rows])[1:]
+def _stack(rows: Sequence[Row], topic: Topic, layout: Layout, wanted: Stamps | None) -> list[Vector]:
+    """The arrays of a topic over time, without the stamp, which has to be the wanted one if there is one."""
+    stamps, *arrays = layout.stack([parts[topic.name] for _, parts in rows])
+    if wanted is not None and (_nanoseconds(stamps) != wanted).any():
+        raise LayoutError("parts of different stamps", key=topic.name, accepted="one stamp")
     for array in arrays:
         if not np.isfinite(array).all():
             raise NonFiniteError("not a finite number in the log", key=topic.name)
     return arrays
 
 
-def _stack_telemetry(rows: Sequence[Row], topic: Topic) -> dict[str, Vector]:
+def _nanoseconds(stamps: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Stamps as they stand in messages, seconds and nanoseconds or one number, as [ns]."""
+    if stamps.shape[1] == 1:
+        return stamps[:, 0]
+    seconds, rest = stamps.astype(np.int64).T
+    nanoseconds: Stamps = seconds * NANOSECONDS + rest
+    return nanoseconds
+
+
+def _stack_telemetry(rows: Sequence[Row], topic: Topic, wanted: Stamps | None) -> dict[str, Vector]:
     """The blocks of telemetry over time by label; nothing where the run has none."""
     present = [parts[topic.name] for _, parts in rows if topic.name in parts]
     if not present:
@@ -166,5 +182,5 @@ def _stack_telemetry(rows: Sequence[Row], topic: Topic) -> dict[str, Vector]:
         raise LayoutError("telemetry at some ticks only", key=topic.name, value=f"{len(present)} of {len(rows)}")
     codec = TelemetryCodec(topic)
     labels, sizes = codec.shape(present[0])
-    (data,) = _stack(rows, topic, codec.layout_of(present[0]))
+    (data,) = _stack(rows, topic, codec.layout_of(present[0]), wanted)
     return _blocks(labels, sizes, data)

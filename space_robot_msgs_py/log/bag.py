@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +19,10 @@ from space_robot_msgs_py.limits import METADATA_BYTES
 from space_robot_msgs_py.log.directory import METADATA_FILE
 from space_robot_msgs_py.log.mcap.records import MESSAGE, parse
 from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
+from space_robot_msgs_py.log.mcap.summary import read_summary
+
+
+RECOVERED = "what `space-robot recover` makes of it"
 
 
 class BagMessage(NamedTuple):
@@ -33,6 +39,19 @@ class BagMessage(NamedTuple):
     type: str
     time: int
     data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Missing:
+    """Messages that a file counts at its end and that cannot be found in it.
+
+    Attributes:
+        topic: as it is in the bag.
+        count: how many there are.
+    """
+
+    topic: str
+    count: int
 
 
 class Bag:
@@ -53,26 +72,32 @@ class Bag:
         self.path = Path(path)
         self.files = _mcap_files(self.path)
 
-    def messages(self) -> Iterator[BagMessage | Damage]:
-        """Every message in the order of the files.
+    def messages(self) -> Iterator[BagMessage | Damage | Missing]:
+        """Every message in the order of the files, and behind those of a file what is missing of them.
 
         Raises:
             InputFileError: the bag cannot be read at all.
         """
         return self._own_messages() if self.files else self._foreign_messages()
 
-    def _own_messages(self) -> Iterator[BagMessage | Damage]:
+    def _own_messages(self) -> Iterator[BagMessage | Damage | Missing]:
         for file in self.files:
-            channels = Channels(str(file))
+            channels, found = Channels(str(file)), Counter[int]()
+            # Before the messages: a log that is closed meanwhile has all of them, and more than it had.
+            summary = read_summary(file)
             for item in salvage(file):
                 if isinstance(item, Damage):
                     yield item
                 elif item.opcode == Opcode.MESSAGE:
                     number, _, time, _ = MESSAGE.unpack_from(item.content)
                     topic, ros_type = channels.name(number)
+                    # Of a topic that the file no longer names here it is missing.
+                    found[number] += bool(topic)
                     yield BagMessage(topic, ros_type, time, item.content[MESSAGE.size :])
                 else:
                     channels.take(item)
+            if summary is not None:
+                yield from (Missing(*one) for one in summary.missing(found).items())
 
     def _foreign_messages(self) -> Iterator[BagMessage | Damage]:
         """What is not plain MCAP (SQLite, compression by rosbag2) is left to rosbags."""
@@ -150,18 +175,20 @@ def _natural(path: Path) -> list[str]:
     return [part.rjust(255, "0") if part.isdecimal() else part for part in re.split(r"(\d+)", path.name)]
 
 
-def intact(stream: Iterator[BagMessage | Damage], key: str) -> Iterator[BagMessage]:
+def intact(stream: Iterator[BagMessage | Damage | Missing], key: str) -> Iterator[BagMessage]:
     """The messages of a bag that must not be damaged; one that was cut just ends earlier.
 
     Raises:
-        LogError: something in the middle is lost.
+        LogError: something in the middle is lost, or messages are missing.
     """
     lost: Damage | None = None
     for item in stream:
         if isinstance(item, Damage):
             lost = lost or item
         elif lost is not None:
-            what = f"damaged at byte {lost.offset}: {lost.what}"
-            raise LogError(what, key=key, accepted="what `space-robot recover` makes of it")
+            raise LogError(f"damaged at byte {lost.offset}: {lost.what}", key=key, accepted=RECOVERED)
+        elif isinstance(item, Missing):
+            what = f"{item.count} messages on {item.topic} are missing, which the bag counts at its end"
+            raise LogError(what, key=key, accepted=RECOVERED)
         else:
             yield item

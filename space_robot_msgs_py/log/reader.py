@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from mcap.opcode import Opcode
 from mcap.records import Channel, Metadata
@@ -21,10 +24,12 @@ from space_robot_msgs_py.errors import (
 )
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.arrays import LogArrays, Row, stack_ticks
+from space_robot_msgs_py.log.blocks import BLOCK, BlockStacker
 from space_robot_msgs_py.log.directory import BAG_SUFFIX
 from space_robot_msgs_py.log.header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log.preamble import END_NAME, RECORDED, log_name
-from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, flatten, parse, parse_attachment, scan
+from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, flatten, message_head, parse, parse_attachment, scan
+from space_robot_msgs_py.log.mcap.summary import summary_in
 from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 
@@ -76,23 +81,26 @@ class LogReader:
         """Topic name as in the table, stamp [ns] and bytes of every message, in order.
 
         Raises:
-            LogError: a message is missing between two others, or a record is damaged.
+            LogError: a message is missing between two others or at the end, or a record is damaged.
         """
-        names: dict[int, str] = {}
-        expected: dict[int, int] = {}
-        for opcode, content in flatten(self._records(), self._key):
-            if opcode == Opcode.MESSAGE:
-                channel, sequence, stamp, _ = MESSAGE.unpack_from(content)
-                if not any(expected.values()):
-                    self._check_channels(names.values())
-                if channel not in names or sequence != expected[channel]:
-                    raise LogError("a message is missing", key=self._key, value=f"{names.get(channel)} at {stamp} ns")
-                expected[channel] += 1
-                yield names[channel], stamp, content[MESSAGE.size :]
-            elif opcode == Opcode.CHANNEL:
-                record = parse(Channel.read, content, self._key)
-                names.setdefault(record.id, _NAMES.get(record.topic, record.topic))
-                expected.setdefault(record.id, 0)
+        with self._open() as stream:
+            found: Counter[int] = Counter()
+            names: dict[int, str] = {}
+            for opcode, content in flatten(_scan(stream), self._key):
+                if opcode == Opcode.MESSAGE:
+                    channel, sequence, stamp, _ = message_head(content, self._key)
+                    if not found:
+                        self._check_channels(names.values())
+                    if channel not in names or sequence != found[channel]:
+                        raise LogError(
+                            "a message is missing", key=self._key, value=f"{names.get(channel)} at {stamp} ns"
+                        )
+                    found[channel] += 1
+                    yield names[channel], stamp, content[MESSAGE.size :]
+                elif opcode == Opcode.CHANNEL:
+                    record = parse(Channel.read, content, self._key)
+                    names.setdefault(record.id, _NAMES.get(record.topic, record.topic))
+            self._check_counts(stream, found)
 
     def rows(self) -> Iterator[Row]:
         """Stamp [ns] and messages by topic name of every complete tick, in order.
@@ -140,6 +148,19 @@ class LogReader:
             fitting = [(stamp, parts) for stamp, parts, outcome in self._decoded() if isinstance(outcome, Tick)]
             return stack_ticks(fitting, self.header.joint_names, self._key)
 
+    def blocks(self, size: int = BLOCK) -> Iterator[LogArrays]:
+        """The same ticks, stacked some at a time, so that a log of any length can be read; no block is empty.
+
+        Args:
+            size: complete ticks of a block; those that do not fit the robot are looked at but not in it.
+
+        Raises:
+            LogError: the shape of telemetry changes in the course of the log.
+        """
+        for block in BlockStacker(self.header.joint_names, self._key).blocks(self.rows(), size):
+            if block.arrays is not None:
+                yield block.arrays
+
     def _decoded(self) -> Iterator[tuple[int, dict[str, bytes], Tick | SpaceRobotError]]:
         codec = TickCodec(self.header.joint_names)
         for stamp, parts in self.rows():
@@ -161,6 +182,16 @@ class LogReader:
             parts[name] = data
         if parts:
             yield (stamp, parts), self.end_reason is not None
+
+    def _check_counts(self, stream: IO[bytes], found: Mapping[int, int]) -> None:
+        """A closed log counts its messages at its end: a chunk whose first byte is damaged is no chunk any more."""
+        # Of the same file: a log that is closed meanwhile is another one.
+        summary = summary_in(stream, self.path)
+        missing = summary.missing(found) if summary is not None else {}
+        if missing:
+            counted = ", ".join(f"{count} on {name}" for name, count in missing.items())
+            accepted = "what the log counts at its end"
+            raise LogError("messages are missing, the log is damaged", key=self._key, value=counted, accepted=accepted)
 
     def _check_channels(self, names: Iterable[str]) -> None:
         """Every log has these channels, also empty ones: a name that is missing was damaged."""
@@ -186,10 +217,19 @@ class LogReader:
         return LogHeader.of(metadata, attachments, self._key)
 
     def _records(self) -> Iterator[tuple[int, bytes]]:
+        with self._open() as stream:
+            yield from _scan(stream)
+
+    @contextmanager
+    def _open(self) -> Iterator[IO[bytes]]:
         with open_regular(self.path, self._key) as stream:
             if stream.read(len(MAGIC)) != MAGIC:
                 raise InputFileError("not an MCAP file", key=self._key)
-            yield from scan(stream, os.fstat(stream.fileno()).st_size)
+            yield stream
+
+
+def _scan(stream: IO[bytes]) -> Iterator[tuple[int, bytes]]:
+    return scan(stream, os.fstat(stream.fileno()).st_size)
 
 
 def _bag_file(path: Path) -> Path:

@@ -14,6 +14,7 @@ from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.escapes import mathtext
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.thinning import thinned
 from space_robot_report.figures.settings import own_settings
 
 AXES = ("roll", "pitch", "yaw")
@@ -60,8 +61,8 @@ def figure_of(log: LogReader) -> Figure:
 
 
 def _draw(figure: Figure, log: LogReader) -> None:
-    arrays, joints = log.arrays(), [mathtext(name) for name in log.header.joint_names]
-    if arrays.time.size < 2:
+    arrays, joints = thinned(log.blocks()), [mathtext(name) for name in log.header.joint_names]
+    if arrays is None or arrays.time.size < 2:
         raise LogError("nothing to draw: fewer than two complete ticks", key=str(log.path))
     panels = figure.subplots(4, 1, sharex=True)
     # A plant of another tool may not publish the truth: then it is what was measured.

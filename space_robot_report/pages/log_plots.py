@@ -34,15 +34,25 @@ SHOWN = (
 FLOOR = 1e-18
 
 
-def motion_plots(arrays: LogArrays, joints: Sequence[str], robot: Robot | None) -> Iterator[Plot]:
-    """What was asked, what was done, and the difference: the truth where the plant tells it, else the measurement."""
+def motion_plots(
+    arrays: LogArrays, joints: Sequence[str], robot: Robot | None, *, whole: bool = True
+) -> Iterator[Plot]:
+    """What was asked, what was done, and the difference: the truth where the plant tells it, else the measurement.
+
+    Args:
+        arrays: of a log.
+        joints: their names.
+        robot: None where it is not known.
+        whole: every tick is there. Between ticks that are not, a robot may turn more than once: its angles then stay
+            within a turn.
+    """
     time, truth = arrays.time, arrays.plant.get("true_configuration", arrays.q)
     prismatic = np.array(robot.prismatic if robot else [False] * len(joints), dtype=bool)
     scale = np.where(prismatic, 1.0, np.degrees(1.0))
     unit = "m" if prismatic.all() and prismatic.size else "deg, m" if prismatic.any() else "deg"
     errors = deviations(truth, arrays.q_d)
     turned = np.degrees(errors[:, 3:6])
-    yield _followed("Base attitude [deg]", time, _attitude(truth), _attitude(arrays.q_d), RPY)
+    yield _followed("Base attitude [deg]", time, _attitude(truth, whole), _attitude(arrays.q_d, whole), RPY)
     angle = Trace("angle", time, np.linalg.norm(turned, axis=1), "#1d2329")
     yield Plot("Attitude error [deg]", [*lines(time, turned, [f"about {axis}" for axis in XYZ]), angle])
     if robot is None or robot.base_mode == "free_flying":
@@ -124,7 +134,7 @@ def _answered(title: str, time: Vector, values: Matrix, asked: Matrix, names: Se
     return Plot(title, [*dotted, *lines(time, values, names, steps="before")], note=note)
 
 
-def _attitude(q: Matrix) -> Matrix:
-    """(K, 3) roll, pitch, yaw [deg], without the jumps of a full turn."""
-    angles = np.unwrap(np.array([to_rpy(row[3:7]) for row in q]), axis=0)
-    return np.degrees(angles)
+def _attitude(q: Matrix, whole: bool) -> Matrix:
+    """(K, 3) roll, pitch, yaw [deg], of a whole log without the jumps of a full turn."""
+    angles = np.array([to_rpy(row[3:7]) for row in q])
+    return np.degrees(np.unwrap(angles, axis=0) if whole else angles)

@@ -73,7 +73,7 @@ def _title(judged: JudgedLog) -> str:
 
 def _summary(judged: JudgedLog) -> str:
     arrays, experiment = judged.arrays, judged.experiment
-    what = f"{arrays.time.size} ticks, {arrays.time[-1] - arrays.time[0]:g} s"
+    what = f"{judged.ticks} ticks, {arrays.time[-1] - arrays.time[0]:g} s"
     if experiment is not None:
         robot = experiment.robot["name"] if isinstance(experiment.robot, dict) else experiment.robot
         what = f"{robot} under {experiment.controller.law}: {what}, control period {experiment.control_period:g} s"
@@ -133,7 +133,7 @@ def _sections(judged: JudgedLog, book: PlotBook) -> list[dict[str, Any]]:
     arrays, joints = judged.arrays, judged.header.joint_names
     robot = judged.composition.nominal if judged.composition else None
     sections = {
-        "Motion": motion_plots(arrays, joints, robot),
+        "Motion": motion_plots(arrays, joints, robot, whole=judged.ticks == arrays.stamp.size),
         "Torques and wheels": effort_plots(arrays, joints, robot),
         "What the law shows": telemetry_plots(arrays.time, arrays.controller),
         "Conservation": conservation_plots(arrays),

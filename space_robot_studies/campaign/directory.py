@@ -14,7 +14,7 @@ from space_robot_msgs_py.bounded_files import is_file, short
 from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
 from space_robot_studies.campaign.spec import Campaign
 from space_robot_studies.engine.journal import Journal, Row, check_columns, finished_rows, locked, open_journal
-from space_robot_studies.engine.storage import guarded
+from space_robot_studies.engine.storage import check_place, guarded
 
 CAMPAIGN = "resolved.yaml"
 # What every row of the table has, see ``table.FIXED``.
@@ -48,15 +48,15 @@ def campaign_rows(directory: Path) -> tuple[dict[str, str], dict[int, Row]]:
     Raises:
         LogError: the rows are corrupted.
     """
-    versions, rows = finished_rows(directory)
-    return versions, {_index(row): row for row in rows.values()}
+    versions, rows = finished_rows(directory, _check_case)
+    return versions, {index: row for index, row in rows.items() if isinstance(index, int)}
 
 
-def _index(row: Row) -> int:
+def _check_case(row: Row) -> None:
+    """Refuse a row that is not of a case of a campaign."""
     check_columns(row, COLUMNS)
     if not isinstance(row.key, int) or row.columns["index"] != row.key:
         raise LogError("its number is not that of its case", key=f"row {row.key}")
-    return row.key
 
 
 def check_directory(directory: Path, campaign: Campaign, *, resume: bool) -> None:
@@ -67,10 +67,9 @@ def check_directory(directory: Path, campaign: Campaign, *, resume: bool) -> Non
         LogError: there can be no such directory.
     """
     key, new = "--out", "a new or empty directory"
+    check_place(directory, new)
     with guarded(directory):
         there = directory.exists()
-        if there and not directory.is_dir():
-            raise SpecError("is a file", key=key, value=str(directory), accepted=new)
         begun = (directory / CAMPAIGN).exists()
         if not begun and there and any(path.suffix != TEMPORARY for path in directory.iterdir()):
             raise SpecError("not empty and not a campaign", key=key, value=str(directory), accepted=new)
@@ -107,7 +106,7 @@ def open_campaign(
             # First, so that a crash right here leaves a campaign that can be resumed.
             if not (directory / CAMPAIGN).exists():
                 write_atomically(directory / CAMPAIGN, resolved)
-        with open_journal(directory, versions, time_limit) as journal:
+        with open_journal(directory, versions, time_limit, _check_case) as journal:
             if any(not isinstance(index, int) or index >= campaign.cases for index in journal.rows):
                 raise SpecError("fewer than were run", key="runs", value=campaign.runs, accepted="as many or more")
             with guarded(directory):

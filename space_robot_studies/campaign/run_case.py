@@ -12,8 +12,8 @@ from typing import Any, Literal
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import experiment_from
+from space_robot_bringup.judge.judging import judge_ticks
 from space_robot_bringup.modes.headless import fly_in_memory, write_bag
-from space_robot_bringup.modes.run import judge_ticks
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.writer import MemorySink

@@ -19,7 +19,7 @@ from space_robot_studies.campaign.spec import Campaign, campaign_path, load_camp
 from space_robot_studies.compare.comparison import Comparison, law_key, side_by_side
 from space_robot_studies.compare.cost import costs_of
 from space_robot_studies.engine.hooks import StudyHooks
-from space_robot_studies.engine.storage import guarded
+from space_robot_studies.engine.storage import check_place, guarded
 from space_robot_studies.engine.tasks import TIME_LIMIT
 from space_robot_studies.engine.workers import check_workers, open_workers
 
@@ -76,6 +76,7 @@ def compare(
     """
     hooks, place = hooks or StudyHooks(), Path(directory)
     check_workers(workers, None, time_limit)
+    check_place(place, "a new or empty directory, or one to resume")
     found = load_compared(campaigns, runs)
     for name, campaign in found.items():
         check_directory(place / name, campaign, resume=resume)

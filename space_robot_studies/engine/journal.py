@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from math import isfinite
@@ -22,6 +22,7 @@ from space_robot_studies.engine.tasks import Lost
 ROWS, RUNS = "rows.jsonl", "runs"
 Key = int | str
 Rows = dict[Key, "Row"]
+Check = Callable[["Row"], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,14 +108,21 @@ def locked(directory: Path) -> Iterator[None]:
         os.close(handle)
 
 
+def _any_columns(row: Row) -> None:
+    del row
+
+
 @contextmanager
-def open_journal(directory: Path, versions: Mapping[str, str], time_limit: float) -> Iterator[Journal]:
+def open_journal(
+    directory: Path, versions: Mapping[str, str], time_limit: float, check: Check = _any_columns
+) -> Iterator[Journal]:
     """Begin or resume the rows of a locked directory; what a crash left of a line is cut off.
 
     Args:
         directory: see ``locked``.
         versions: of everything that can change the bits of a run.
         time_limit: [s]; rows that a smaller one ended are left out.
+        check: raises a LogError for columns this study cannot have.
 
     Raises:
         SpecError: the rows were begun with other versions.
@@ -127,7 +135,7 @@ def open_journal(directory: Path, versions: Mapping[str, str], time_limit: float
         with guarded(path):
             stream.seek(0)
             text = stream.read()
-            begun, rows = _parse(text, path)
+            begun, rows = _parse(text, path, check)
             _check_versions(begun, versions, directory)
             stream.truncate(len(text[: text.rfind("\n") + 1].encode()))
             stream.seek(0, os.SEEK_END)
@@ -137,14 +145,18 @@ def open_journal(directory: Path, versions: Mapping[str, str], time_limit: float
         yield Journal(directory, stream, {key: row for key, row in rows.items() if row.stands(time_limit)})
 
 
-def finished_rows(directory: Path) -> tuple[dict[str, str], Rows]:
+def finished_rows(directory: Path, check: Check = _any_columns) -> tuple[dict[str, str], Rows]:
     """The versions a study is run with, and its rows so far by key.
+
+    Args:
+        directory: of the study.
+        check: raises a LogError for columns this study cannot have.
 
     Raises:
         LogError: the rows are corrupted.
     """
     path = directory / ROWS
-    return _parse(read_text(path, ROWS_BYTES), path) if is_file(path) else ({}, {})
+    return _parse(read_text(path, ROWS_BYTES), path, check) if is_file(path) else ({}, {})
 
 
 def finished_row(directory: Path, key: Key) -> Row | None:
@@ -163,7 +175,7 @@ def _check_versions(begun: Mapping[str, str], versions: Mapping[str, str], direc
         raise SpecError(what, key="--resume", value=str(directory), accepted="these versions, or a new directory")
 
 
-def _parse(text: str, path: Path) -> tuple[dict[str, str], Rows]:
+def _parse(text: str, path: Path, check: Check) -> tuple[dict[str, str], Rows]:
     """Versions, which are the first line, and the last row of each run; an unfinished line is left out."""
     versions, rows = dict[str, str](), Rows()
     for number, line in enumerate(text.split("\n")[:-1]):
@@ -173,8 +185,9 @@ def _parse(text: str, path: Path) -> tuple[dict[str, str], Rows]:
                 versions = {str(name): str(text) for name, text in json.loads(line)["versions"].items()}
             else:
                 row = _row(json.loads(line))
+                check(row)
                 rows[row.key] = row
-        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        except (LogError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             raise LogError(f"line {number + 1} is corrupted ({error})", key=str(path)) from None
     return versions, rows
 
@@ -197,7 +210,7 @@ def check_columns(row: Row, wanted: Mapping[str, type]) -> None:
     """Refuse columns that a table of plain numbers and texts cannot hold; a file may contain anything.
 
     Args:
-        row: as read.
+        row: as read; the readers of a journal add its line to the error.
         wanted: columns that every row has, and their types.
 
     Raises:

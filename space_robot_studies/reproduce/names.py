@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.metrics import metric_names
-from space_robot_control.laws.registry import BUILT_IN
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_studies.engine.local_workers import LocalWorkers
@@ -68,6 +67,9 @@ class Vocabulary:
         self._of_run[run.distinct.name] = self._of_content[content]
 
     def _learn(self, experiment: Experiment) -> Words:
+        # Only here: the page of a log, which takes its headings from this package, needs no law and no compiler.
+        from space_robot_control.laws.registry import BUILT_IN
+
         if set(experiment.controller.law_names) <= set(BUILT_IN):
             return words_of(experiment)
         if self._workers is None:

@@ -14,7 +14,7 @@ from space_robot_msgs_py.errors import InputFileError, SilenceError, SpecError
 from space_robot_studies.campaign.directory import CAMPAIGN
 from space_robot_studies.engine.hooks import StudyHooks
 from space_robot_studies.engine.journal import ROWS, RUNS, Journal, Row, bag_path, locked, open_journal
-from space_robot_studies.engine.storage import guarded
+from space_robot_studies.engine.storage import check_place, guarded
 from space_robot_studies.engine.tasks import TIME_LIMIT, Lost, Stop, Task, Workers
 from space_robot_studies.engine.workers import check_workers, open_workers
 from space_robot_studies.reproduce.check import check_plan
@@ -113,8 +113,9 @@ def reproduce(
     check_workers(workers, None, time_limit)
     plan = paper if isinstance(paper, Plan) else load_plan(paper)
     chosen = choose_figures(plan.manifest, figures)
-    check_plan(plan, chosen, time_limit)
+    # First: a plan with custom laws is checked in workers.
     _check_directory(place)
+    check_plan(plan, chosen, time_limit)
     first = next(iter(plan.distinct_runs(chosen).values())).experiment
     with (
         open_workers(workers, time_limit=time_limit, warm=(warm, (first,)), stop=hooks.stop) as pool,
@@ -134,9 +135,10 @@ def warm(experiment: Experiment) -> None:
 
 
 def _check_directory(directory: Path) -> None:
+    accepted = "a directory, new, empty or of an earlier reproduction"
+    check_place(directory, accepted)
     try:
         if (directory / CAMPAIGN).exists():
-            accepted = "a directory, new, empty or of an earlier reproduction"
             raise SpecError("holds a campaign", key="--out", value=str(directory), accepted=accepted)
         ours = any((directory / name).exists() for name in (RUNS, CLAIMS))
         free = not directory.exists() or (directory.is_dir() and (ours or not any(directory.iterdir())))
@@ -146,7 +148,6 @@ def _check_directory(directory: Path) -> None:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputFileError(f"cannot be read: {reason}", key="--out", value=str(directory)) from None
     if not free:
-        accepted = "a directory, new, empty or of an earlier reproduction"
         raise InputFileError("holds something else", key="--out", value=str(directory), accepted=accepted)
 
 

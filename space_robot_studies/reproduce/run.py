@@ -13,9 +13,9 @@ import numpy as np
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+from space_robot_bringup.judge.judging import judge_ticks
 from space_robot_bringup.judge.verdict import PLANT_BOUNDS
 from space_robot_bringup.modes.headless import fly_in_memory, write_bag
-from space_robot_bringup.modes.run import judge_ticks
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
 from space_robot_msgs_py.log.arrays import arrays_of
 from space_robot_msgs_py.log.writer import MemorySink

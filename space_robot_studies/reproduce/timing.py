@@ -6,16 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter_ns
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_control.laws.base import Law
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Reference, RobotState
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_studies.reproduce.run_data import CYCLE_TIMES
+
+if TYPE_CHECKING:
+    from space_robot_control.laws.base import Law
 
 NANOSECONDS_PER_MICROSECOND = 1e3
 

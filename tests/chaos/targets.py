@@ -20,6 +20,7 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
 
 from space_robot_bringup.experiment.experiment import dump_yaml, experiment_from, experiment_path, load_experiment
+from space_robot_bringup.logs import info
 from space_robot_bringup.logs.assessed import read_judged
 from space_robot_bringup.logs.info import bag_info
 from space_robot_bringup.logs.logged import compose_logged
@@ -218,6 +219,11 @@ def _info(path: Path, folder: Path) -> None:
     json.dumps(info_dict(bag_info(path)), allow_nan=False)
 
 
+def _info_by_index(path: Path, folder: Path) -> None:
+    with patch.object(info, "LARGE", 0):
+        _info(path, folder)
+
+
 def _replay(path: Path, folder: Path) -> None:
     from space_robot_cli.render.replay import as_dict
 
@@ -239,6 +245,8 @@ READERS: Sequence[Callable[[Path, Path], Any]] = (
     lambda path, folder: LogReader(path).robot_description,
     lambda path, folder: open_broadcast(path),
     lambda path, folder: read_judged(path),
+    lambda path, folder: list(LogReader(path).blocks(7)),
+    _info_by_index,
 )
 
 

@@ -83,7 +83,6 @@ def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path, start: S
     assert LogReader(run).header.experiment == same.header.experiment
 
 
-@pytest.mark.load
 def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path, start: Starter) -> None:
     """With autostart off nothing flies until the manager has been there; then it is the flight that always is."""
     run, waiting = tmp_path / "run", ["--ros-args", "-p", "autostart:=false"]

@@ -230,7 +230,7 @@ def test_a_bag_that_others_unpack_is_looked_at_first(tmp_path: Path) -> None:
 
 
 def test_rows_of_a_campaign_may_be_anything(tmp_path: Path) -> None:
-    """A row that is none is named with its line or its key, whatever is wrong with it."""
+    """A row that is none is named with its line in the file, whatever is wrong with it."""
     good = '{"versions": {}}\n'
     columns = '"run": 0, "seed": 0, "end_reason": "", "completed": true, "passed": true, "failed": "", "ticks": 1'
     rows = {
@@ -242,11 +242,14 @@ def test_rows_of_a_campaign_may_be_anything(tmp_path: Path) -> None:
         "another case": f'{{"index": 1, "columns": {{"index": 0, {columns}}}}}',
         "a list": f'{{"index": 0, "columns": {{"index": 0, "x": [1], {columns}}}}}',
     }
-    for name, row in rows.items():
-        (tmp_path / "rows.jsonl").write_text(f"{good}{row}\n")
-        with pytest.raises(LogError, match=r"line 2 is corrupted|row \S+: "):
-            campaign_rows(tmp_path)
-        assert name
+    whole = f'{{"index": 0, "columns": {{"index": 0, {columns}}}}}'
+    for row in rows.values():
+        for line, text in ((2, row), (3, f"{whole}\n{row}"), (2, f"{row}\n{whole}")):
+            (tmp_path / "rows.jsonl").write_text(f"{good}{text}\n")
+            with pytest.raises(
+                LogError, match=rf"^{re.escape(str(tmp_path))}/rows\.jsonl: line {line} is corrupted \("
+            ):
+                campaign_rows(tmp_path)
     (tmp_path / "rows.jsonl").write_text(f'{good}{{"index": 0, "columns": {{"index": 0, {columns}}}}}\n')
     assert list(campaign_rows(tmp_path)[1]) == [0]
 

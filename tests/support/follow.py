@@ -66,4 +66,4 @@ def await_ticks(run: Path, count: int, child: subprocess.Popen[str] | Fork, seco
         assert monotonic() < deadline, f"waited {seconds} s for {count} ticks in {run}, saw {seen}"
         with contextlib.suppress(subprocess.TimeoutExpired):
             child.wait(POLL_SECONDS)
-            raise AssertionError(f"ended with {child.returncode} after {seen} ticks: {child.communicate()[0]}")
+            raise AssertionError(f"ended with {child.returncode} after {seen} ticks: {child.communicate()}")

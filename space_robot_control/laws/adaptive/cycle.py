@@ -49,7 +49,7 @@ class Cycle:
         self.rule = Rule(
             first=first,
             period=control_period,
-            half=0.5 * control_period if gains.lead else 0.0,
+            ahead=(0.5 + robot.command_delay) * control_period if gains.lead else 0.0,
             on_velocity=int(gains.lambda_on == "velocity"),
             lambda_=gains.lambda_.values(robot, "controller.gains.lambda")[first:].copy(),
             k_d=np.zeros((size, size)),

@@ -17,7 +17,6 @@ from space_robot_control.laws.adaptive.kernel.workspace import PeriodStart
 from space_robot_control.laws.adaptive.parameter_update import ParameterUpdate
 from space_robot_control.laws.adaptive.regressor import Regressor
 from space_robot_control.laws.adaptive.review import AdaptiveReview
-from space_robot_control.laws.adaptive.wheels import WheelMomentum
 from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_description.kernel.cache import cached
 from space_robot_description.robot import Robot
@@ -66,6 +65,7 @@ class Adaptive(Law):
         """Gains of the adaptive law."""
 
     name = "adaptive"
+    uses_command_delay = True
     telemetry_fields: ClassVar[Mapping[str, str]] = {
         "position_error": "p_d - p, inertial axes; free-flying robots [m]",
         "euler_error": "errors of roll, pitch, yaw [rad]",
@@ -100,7 +100,6 @@ class Adaptive(Law):
         super().reset()
         self._cycle.reset()
         self._update = ParameterUpdate(self.robot, self.regressor.parameters, self._cycle, self.gains)
-        self._wheels = WheelMomentum(self.robot, known=self.gains.gyroscopic)
         self._mass: Vector | None = None
         self._start: tuple[Vector, Vector, Vector] | None = None
 
@@ -139,7 +138,9 @@ class Adaptive(Law):
             self._mass = self._first_mass_matrix(x)
             self._cycle.rule.k_d[:] = self.gains.kappa * self._mass
         omega = state.v[3:6]
-        u, value = self._cycle.control(self._update.estimate, x, dx, omega, self._wheels.momentum, reference)
+        u, value = self._cycle.control(
+            self._update.estimate, x, dx, omega, self._known(self.wheels.momentum), reference
+        )
         work = self._cycle.workspace
         blocks = {**self._error_blocks(), "lyapunov_function": value, **self._update.blocks()}
         self._update.track(work.Y, work.sigma_full)
@@ -147,12 +148,14 @@ class Adaptive(Law):
         return u, blocks
 
     def on_applied(self, command: Command, *, own: bool) -> None:
-        """The wheels take up every torque; the update needs the command of periods that began with ``compute``."""
+        """The update needs the command of periods that began with ``compute``."""
         wrench = np.array(command.wrench)
-        middle = self._wheels.apply(wrench[3:], self.control_period)
         if self._start is not None:
-            self._update.begin(PeriodStart(*self._start, middle, wrench))
+            self._update.begin(PeriodStart(*self._start, self._known(self.wheels.middle), wrench))
         self._start = None
+
+    def _known(self, momentum: Vector) -> Vector:
+        return momentum if self.gains.gyroscopic else np.zeros(3)
 
     def _first_mass_matrix(self, x: Vector) -> Vector:
         matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)

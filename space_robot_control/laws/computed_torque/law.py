@@ -24,11 +24,12 @@ class Bandwidth(PerDof):
 
 
 class ComputedTorque(Law):
-    """u = M0(q) a + c0(q, v) with a = feed-forward + Kd e_v + Kp e_x, Kp = wn^2 and Kd = 2 zeta wn per DoF.
+    """u = M0(q) a + c0(q, v) + omega x h with a = feed-forward + Kd e_v + Kp e_x, Kp = wn^2 and Kd = 2 zeta wn per DoF.
 
-    M0 and c0 are the nominal robot's, e_x, e_v and the feed-forward those of ``TrackingErrors``. With an exact model
-    and a short period each error obeys e'' + 2 zeta wn e' + wn^2 e = 0: the base position in inertial axes if its
-    bandwidth is one number, the attitude to first order in the error, the joints exactly.
+    M0 and c0 are the nominal robot's, h the momentum of its wheels (``gyroscopic``, ours), e_x, e_v and the
+    feed-forward those of ``TrackingErrors``. With an exact model and a short period each error obeys
+    e'' + 2 zeta wn e' + wn^2 e = 0: the base position in inertial axes if its bandwidth is one number, the attitude to
+    first order in the error, the joints exactly.
 
     Free-floating: the force on the base is exactly zero, its translation follows from the zero-force rows of the
     nominal model, and the bandwidth of translation is not used.
@@ -56,6 +57,7 @@ class ComputedTorque(Law):
         damping: PositiveFloat = Field(
             default=1.0, description="damping ratio zeta of every DoF [-]", json_schema_extra=DYNAMIC
         )
+        gyroscopic: bool = Field(default=True, description="include omega x h of the wheels' momentum in the command")
         allow_unstable: bool = Field(default=False, description="accept gains outside the sampled loop's stable region")
 
     name = "computed_torque"
@@ -79,6 +81,8 @@ class ComputedTorque(Law):
         errors = tracking_errors(state, reference)
         acceleration = errors.feedforward + self._kd * errors.velocity + self._kp * errors.configuration
         u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, acceleration)
+        if self.gains.gyroscopic and self.wheels.present:
+            u[3:6] += self.wheels.torque(state.v[3:6])
         return u, {**error_blocks(errors), "acceleration_command": acceleration}
 
 

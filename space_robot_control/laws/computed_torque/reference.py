@@ -1,7 +1,7 @@
 """Computed torque on one screen: the equations of ``ComputedTorque`` with explicit matrices, in NumPy and Pinocchio.
 
 Coordinates are Pinocchio's free-flyer: q = [position, quaternion (x, y, z, w), joints], v = [linear, angular, rates],
-a = dv/dt, base parts in the body frame. Not here: the refusal of gains whose sampled loop is unstable.
+a = dv/dt, base parts in the body frame. Not here: ``gyroscopic``, the refusal of unstable gains.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
@@ -53,6 +54,7 @@ class ModelFree(Law):
         """Gains of the model-free law."""
 
     name = "mfac"
+    uses_command_delay = True
     telemetry_fields = ERROR_FIELDS | {
         "output": "z or e of the channels [m, rad]",
         "pseudo_gradient": "phi of the input, row by row [m/N, rad/(N m)]",
@@ -104,6 +106,8 @@ class ModelFree(Law):
         zero = np.zeros(self.channels.size)
         self._start, self._moved, self._out, self._deviation = zero, zero, zero, zero
         self._loop: _Loop | None = None
+        # Inputs that do not act yet, the oldest first.
+        self._waiting = deque([zero] * self.robot.command_delay)
         self._tick = self._saturated = 0
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
@@ -126,7 +130,8 @@ class ModelFree(Law):
     def _identify(self, excitation: Push | Pulses) -> Vector:
         self._moved = self._moved + self._sensing.moved_sample
         inputs = excitation.at(self._tick, self._start)
-        self._fit.add(self._moved, inputs)
+        self._waiting.append(inputs)
+        self._fit.add(self._moved, self._waiting.popleft())
         self._out = self._lead_output(self._tuning.lead)
         return inputs
 
@@ -146,7 +151,8 @@ class ModelFree(Law):
         self._response = self.gains.initial.scale * self._response
         if self.gains.adjust:
             chosen = adjusted(np.diag(self._response), self._limit, self._start, self.control_period)
-        return _Loop(self.gains, self.channels, chosen, self._response, self._limit, self.control_period)
+        delay = self.robot.command_delay
+        return _Loop(self.gains, self.channels, chosen, self._response, self._limit, self.control_period, delay)
 
     def _lead_output(self, lead: Vector) -> Vector:
         return self._sensing.error + (lead * self._sensing.rate if self.gains.form == "rate_augmented" else 0.0)
@@ -172,7 +178,14 @@ class _Loop:
     """Estimator and controller in the units of the law, once Phi(1) is known."""
 
     def __init__(
-        self, gains: MfacGains, channels: Channels, chosen: Tuning, response: Vector, limit: Vector, period: float
+        self,
+        gains: MfacGains,
+        channels: Channels,
+        chosen: Tuning,
+        response: Vector,
+        limit: Vector,
+        period: float,
+        delay: int,
     ) -> None:
         lead = chosen.lead if gains.form == "rate_augmented" else None
         mapping = Mapping(period, lead, gains.output_order, gains.input_order)
@@ -188,22 +201,34 @@ class _Loop:
         self.controller = IncrementalController(_weights(gains, chosen), *orders, limit / self._scales.input)
         self._lead, self._order = lead, gains.output_order
         self.out, self._begun, self.own = np.zeros(channels.size), False, True
+        # Increments of the input that do not act yet, the oldest first.
+        self._waiting = deque([np.zeros(channels.size)] * delay)
 
     def update(self, sensing: Sensing) -> Vector:
         """(m,) inputs, SI."""
         lead = np.zeros(self.out.size) if self._lead is None else self._lead
         out = sensing.error + lead * sensing.rate
         if self._begun:
+            self._waiting.append(self.controller.increment)
+            acted = self._waiting.popleft()
             own = self._scales.output * (sensing.moved + lead * sensing.sped)
             if sensing.missing.any() or not self.own:
-                self.gradient.skip(self.controller.increment)
+                self.gradient.skip(acted)
             else:
-                self.gradient.update(own, self.controller.increment)
+                self.gradient.update(own, acted)
         # The first increment counts from zero error: a run starts as if its reference had just jumped.
-        change, self.out, self._begun = out - self.out, out, True
-        return self._scales.input * self.controller.update(
-            self._scales.output * out, -self._scales.output * change, self.gradient
-        )
+        change, self.out = out - self.out, out
+        error, dy = self._scales.output * out, -self._scales.output * change
+        if self._begun and self._waiting:
+            error, dy = self._predicted(error, dy, own)
+        self._begun = True
+        return self._scales.input * self.controller.update(error, dy, self.gradient)
+
+    def _predicted(self, error: Vector, dy: Vector, own: Vector) -> tuple[Vector, Vector]:
+        """Error and change when the next command acts; Phi says what the present one does, the reference goes on."""
+        moved = self.gradient.predict(self.controller.increment)
+        change = moved + dy - own
+        return error - change, change
 
     def gain(self) -> Vector:
         """Phi of the input, (m, m), SI."""

@@ -93,6 +93,11 @@ class PseudoGradient:
             self.estimate = self._first.copy()
             self.resets += 1
 
+    def predict(self, du: Vector) -> Vector:
+        """Return dy(k+1) (m,) that an increment du(k) (m,) of the inputs leads to, Phi(k) dH(k)."""
+        out: Vector = self.estimate @ np.concatenate([*self._dy, du, *list(self._du)[:-1]])
+        return out
+
     def skip(self, du: Vector) -> None:
         """Pass over a period whose increment of the outputs is not known or not due to ``du``."""
         self._du.appendleft(np.array(du))

@@ -113,6 +113,7 @@ class SlidingGains(Law.Gains):
         default="per_axis",
         description="how a command is brought within the nominal actuators: each channel clipped, or u - C0 scaled [-]",
     )
+    gyroscopic: bool = Field(default=True, description="include omega x h of the wheels' momentum in the command")
     disturbance_observer: Share = Field(
         default=0.0, description="share of the newest acceleration residual in the estimate d, per period; 0: off [-]"
     )

@@ -2,7 +2,7 @@
 
 x' = [v_b, w_b, q'] has base parts in the inertial frame; errors are actual minus desired. Arguments q, v, a are
 Pinocchio's free-flyer: v = G x', hence M0 = G^T M G and C0 = G^T (c + M G' x'). Errata: docs/papers/giordano2023.md.
-Not here, because ours and off by default: clamp, leak, cap and freeze of K_hat, saturation, the disturbance observer.
+Not here, because ours: ``gyroscopic``; off by default clamp, leak, cap, freeze of K_hat, saturation, the observer.
 """
 
 from __future__ import annotations

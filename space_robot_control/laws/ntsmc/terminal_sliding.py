@@ -41,6 +41,7 @@ class TerminalSliding(Law):
     """
 
     Gains = SlidingGains
+    uses_command_delay = True
     telemetry_fields = ERROR_FIELDS | {
         "sliding_variable": "s [m, rad]",
         "sliding_excess": "Delta s, s outside the boundary layer [m, rad]",
@@ -61,6 +62,8 @@ class TerminalSliding(Law):
         self.skip = 3 if robot.base_mode == "free_floating" else 0
         self.sliding = self._sliding_mode(self.gains)
         self.observer = DisturbanceObserver(self.gains.disturbance_observer, control_period, 6 + robot.n)
+        # What the own commands that do not act yet cause, by stamp.
+        self._accelerations: dict[int, Vector | None] = {}
         q, own, rows = Reference(0, np.zeros(7), np.zeros(6), np.zeros(6)).q, np.zeros(6), np.zeros((4, 3))
         ready(stack, q, own, own, rows, rows)
         ready(accelerate, q, own, own, rows, own, own)
@@ -103,6 +106,7 @@ class TerminalSliding(Law):
         super().reset()
         self.sliding.reset()
         self.observer.reset()
+        self._accelerations = {}
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class."""
@@ -115,6 +119,7 @@ class TerminalSliding(Law):
         disturbance = self.observer.update(state.v)
         acceleration = self._acceleration(state, rotation, errors.feedforward, terms) - disturbance
         u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, acceleration)
+        self._add_wheels(u, state)
         saturated = not self.limits.fits(u)
         blocks = {
             **error_blocks(errors),
@@ -131,13 +136,13 @@ class TerminalSliding(Law):
         }
         self.sliding.adapt(terms[XI], speed_squared, saturated=saturated)
         # The acceleration under a clipped command is not known here; the estimate then pauses.
-        self.observer.expect(None if saturated else acceleration)
+        self._accelerations[state.stamp] = None if saturated else acceleration
         return (self._within_limits(state, u) if saturated else u), blocks
 
     def on_applied(self, command: Command, *, own: bool) -> None:
         """The acceleration under another law's command is not known here; the disturbance estimate then pauses."""
-        if not own:
-            self.observer.expect(None)
+        self.observer.expect(self._accelerations.get(command.stamp) if own else None)
+        self._accelerations = {stamp: a for stamp, a in self._accelerations.items() if stamp > command.stamp}
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Judge the loop gain per DoF at the rates that the start error leads to."""
@@ -162,6 +167,10 @@ class TerminalSliding(Law):
         out[3:6] = self.angular(state, turned)
         return out
 
+    def _add_wheels(self, u: Vector, state: RobotState) -> None:
+        if self.gains.gyroscopic and self.wheels.present:
+            u[3:6] += self.wheels.torque(state.v[3:6])
+
     def _within_limits(self, state: RobotState, u: Vector) -> Vector:
         """The command within the nominal limits; C0 is the u of x'' = 0."""
         if self.gains.saturation == "per_axis":
@@ -170,4 +179,5 @@ class TerminalSliding(Law):
         still[:3] = cross(v[:3], v[3:])
         still[3:6] = self.angular(state, np.zeros(3))
         bias, _ = self.model.actuated_inverse_dynamics(state.q, state.v, still)
+        self._add_wheels(bias, state)
         return self.limits.direction_preserving(u, bias)

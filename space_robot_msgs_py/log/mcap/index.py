@@ -24,7 +24,7 @@ from mcap.records import (
     SummaryOffset,
 )
 
-from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, flatten, parse, record_bytes, scan
+from space_robot_msgs_py.log.mcap.records import MAGIC, PREFIX, flatten, message_head, parse, record_bytes, scan
 
 # One damaged byte costs a whole chunk; smaller ones compress worse (1 MiB saves 4 %).
 CHUNK_SIZE = 1 << 17
@@ -117,7 +117,7 @@ class IndexedWriter:
         self._write(MAGIC)
 
     def _add_message(self, record: bytes, content: bytes) -> None:
-        channel, _, stamp, _ = MESSAGE.unpack_from(content)
+        channel, _, stamp, _ = message_head(content, self._key)
         if len(self._chunk) > CHUNK_SIZE and stamp != self._last:
             # Only between stamps: what belongs together is read together.
             self._close_chunk()

@@ -46,6 +46,19 @@ def message_bytes(channel: int, sequence: int, stamp: int, data: bytes) -> bytes
     return _MESSAGE_RECORD.pack(_MESSAGE_OPCODE, size, channel, sequence, stamp, stamp) + data
 
 
+def message_head(content: bytes, key: str) -> tuple[int, int, int, int]:
+    """Channel, sequence number, log time and publish time [ns] of a message record.
+
+    Raises:
+        LogError: it is too short for a message; another record may have got its opcode.
+    """
+    try:
+        channel, sequence, stamp, published = MESSAGE.unpack_from(content)
+    except struct.error:
+        raise LogError("a message is too short", key=key, value=f"{len(content)} bytes") from None
+    return channel, sequence, stamp, published
+
+
 def scan(stream: IO[bytes], size: int) -> Iterator[tuple[int, bytes]]:
     """Opcode and content of every complete record behind the magic; a file that was cut just ends earlier.
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from space_robot_bringup.experiment.experiment import Expectation
-from space_robot_bringup.judge.metrics import RunMetrics, deviations, measure, metric_names
+from space_robot_bringup.judge.measure import measure
+from space_robot_bringup.judge.metrics import RunMetrics, deviations, metric_names
 from space_robot_bringup.judge.verdict import check_expectations, judge
 from space_robot_description.rotations import exp, log, relative
 from space_robot_msgs_py.errors import NonFiniteError, SpecError

@@ -190,7 +190,7 @@ def test_an_idle_law_counts_the_momentum_of_the_wheels() -> None:
     composition = composed("controller.gains.update=none")
     law = composition.controller()
     last = flown(composition, law)[-1]
-    wheels = law._laws["adaptive"]._wheels  # type: ignore[attr-defined]
+    wheels = law._laws["adaptive"].wheels  # type: ignore[attr-defined]
     held = wheels.momentum + 0.25 * last.output.command.wrench[3:]
     np.testing.assert_allclose(held, last.sample.telemetry["wheel_momentum"], atol=1e-12)
 

@@ -10,7 +10,8 @@ import pytest
 
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.judge.metrics import RunMetrics, measure
+from space_robot_bringup.judge.measure import measure
+from space_robot_bringup.judge.metrics import RunMetrics
 from space_robot_control.gated_filter import GatedFilter
 from space_robot_control.laws.mfac.incremental_controller import IncrementalController, weights_of
 from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient

@@ -229,8 +229,8 @@ def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     write(tmp_path)
     spec, out = load_campaign(str(tmp_path / "campaign.yaml")), tmp_path / "out"
     with open_campaign(out, spec, {"pin": "1"}, 9.0) as book:
-        book.append(Row(0, {"passed": True}), {"a.mcap": b"bag"})
-        book.append(Row(1, {"passed": False}, lost=True), {})
+        book.append(Row(0, columns(0, passed=True)), {"a.mcap": b"bag"})
+        book.append(Row(1, columns(1, passed=False), lost=True), {})
         with pytest.raises(SpecError, match="another process"), open_campaign(out, spec, {"pin": "1"}, 9.0):
             pass
     with pytest.raises(SpecError, match="begun with pin 1"), open_campaign(out, spec, {"pin": "2"}, 9.0):
@@ -243,6 +243,9 @@ def test_rows_of_other_versions_are_not_gone_on_with(tmp_path: Path) -> None:
     with open_campaign(out, spec, {"pin": "1"}, 9.0) as book:
         assert book.rows.keys() == {0}
     assert (out / "rows.jsonl").read_text() == rows
+    (out / "rows.jsonl").write_text(rows.replace('"ticks": 5', '"ticks": "5"'))
+    with pytest.raises(LogError, match=r"line 2 is corrupted .*ticks"), open_campaign(out, spec, {"pin": "1"}, 9.0):
+        pass
     (out / "rows.jsonl").write_text(rows.replace("key", "kay"))
     with pytest.raises(LogError, match="line 2 is corrupted"), open_campaign(out, spec, {"pin": "1"}, 9.0):
         pass

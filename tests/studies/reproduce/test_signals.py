@@ -9,7 +9,7 @@ import pytest
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.judge.metrics import measure
+from space_robot_bringup.judge.measure import measure
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.log.reader import LogReader

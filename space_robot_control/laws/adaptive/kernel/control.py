@@ -57,8 +57,8 @@ def control(
     """
     _set_desired(rule, q_d, v_d, a_d, work)
     for i in range(x.shape[0]):
-        work.x[i] = x[i] + rule.half * (dx[i] + rule.half / 2.0 * work.ddx_d[i])
-        work.dx[i] = dx[i] + rule.half * work.ddx_d[i]
+        work.x[i] = x[i] + rule.ahead * (dx[i] + rule.ahead / 2.0 * work.ddx_d[i])
+        work.dx[i] = dx[i] + rule.ahead * work.ddx_d[i]
     _set_errors(rule, work)
     free_base = rule.first > 0
     slotine_li(tree, work.places, work.x, work.dx, work.dx_r, work.ddx_r, pi_hat, free_base, work.Y)
@@ -71,14 +71,14 @@ def _set_desired(rule: Rule, q_d: Vector, v_d: Vector, a_d: Vector, work: Worksp
     """Desired coordinates, with lead extrapolated by half a period: the reference is known at its stamp only."""
     coordinates(q_d, v_d, work.x_d, work.dx_d)
     second_derivative(q_d, v_d, a_d, work.x_d, work.dx_d, work.ddx_d)
-    half, size = rule.half, work.x_d.shape[0]
+    ahead, size = rule.ahead, work.x_d.shape[0]
     for i in range(size):
         ddx = work.ddx_d[i]
         jerk = (ddx - work.ddx_d_before[i]) / rule.period if work.ddx_d_before[size] else 0.0
         work.ddx_d_before[i] = ddx
-        work.x_d[i] += half * (work.dx_d[i] + half / 2.0 * (ddx + half / 3.0 * jerk))
-        work.dx_d[i] += half * (ddx + half / 2.0 * jerk)
-        work.ddx_d[i] += half * jerk
+        work.x_d[i] += ahead * (work.dx_d[i] + ahead / 2.0 * (ddx + ahead / 3.0 * jerk))
+        work.dx_d[i] += ahead * (ddx + ahead / 2.0 * jerk)
+        work.ddx_d[i] += ahead * jerk
     work.ddx_d_before[size] = 1.0
 
 

@@ -19,7 +19,7 @@ class Rule(NamedTuple):
     Attributes:
         first: first actuated degree of freedom: 3 on a free-floating base, 0 on a free-flying one.
         period: control period [s].
-        half: half of it with lead, 0 without [s].
+        ahead: time from a state to the middle of the period in which its command acts, with lead; 0 without [s].
         on_velocity: 1: sigma = Lambda e' + e.
         lambda_: (m,) Lambda.
         k_d: (m, m) K_D.
@@ -29,7 +29,7 @@ class Rule(NamedTuple):
 
     first: int
     period: float
-    half: float
+    ahead: float
     on_velocity: int
     lambda_: npt.NDArray[np.float64]
     k_d: npt.NDArray[np.float64]
@@ -60,7 +60,7 @@ class Workspace(NamedTuple):
 
     Attributes:
         places: of the bodies.
-        x: (6+n,) coordinates for which is computed, with lead half a period on.
+        x: (6+n,) coordinates for which is computed, with lead ``ahead`` on.
         dx: (6+n,) their rates.
         x_d: (6+n,) desired.
         dx_d: (6+n,) desired.

@@ -1,0 +1,28 @@
+"""Plots of a log show what its ticks say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("plotly")
+
+from space_robot_description.rotations import from_rpy
+from space_robot_msgs_py.log.arrays import arrays_of
+from space_robot_report.pages.log_plots import motion_plots
+from tests.support import values
+
+
+def test_turns_are_counted_only_where_every_tick_is_there() -> None:
+    """At 100 deg a tick a robot turns on in the plot of a whole log, and stays within a turn in a thinned one."""
+    arrays = arrays_of(values.run_ticks(30))
+    q = np.array(arrays.q)
+    q[:, 3:7] = [from_rpy([0.0, 0.0, np.radians(100.0 * k)]) for k in range(30)]
+    arrays = replace(arrays, q=q, plant={})
+    for whole, largest in ((True, 2900.0), (False, 180.0)):
+        plot = next(motion_plots(arrays, values.NAMES, None, whole=whole))
+        yaw = next(trace for trace in plot.traces if trace.name == "yaw")
+        assert largest - 90.0 < np.abs(yaw.values).max() < largest + 1e-6
+        np.testing.assert_allclose(np.cos(np.radians(yaw.values)), np.cos(np.radians(100.0 * np.arange(30))), atol=1e-9)
