@@ -8,6 +8,7 @@ from math import isfinite, sqrt
 
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import log, relative
+from space_robot_description.spec import ReactionWheels
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Telemetry, Vector
@@ -25,12 +26,14 @@ class Snapshot:
         reference: of the same stamp, as guidance gave it.
         command: the last one of the controller; None at the first tick.
         telemetry: that came with it.
+        wheels: (3,) momentum of the nominal wheels, dead-reckoned from the commands [N m s].
     """
 
     state: RobotState
     reference: Reference
     command: Command | None = None
     telemetry: Telemetry | None = None
+    wheels: Vector | None = None
 
 
 # None: there is no such number yet.
@@ -71,6 +74,8 @@ def values_of(robot: Robot, limit: Vector) -> dict[str, Value]:
         "error.joints": lambda now: _largest(now.reference.q[7:] - now.state.joints),
         "command.saturation": lambda now: None if now.command is None else _saturated(now.command, bounds),
     }
+    if isinstance(robot.actuators.base_torque, ReactionWheels):
+        found["wheels.momentum"] = lambda now: None if now.wheels is None else _length(now.wheels)
     parts: Mapping[str, tuple[Callable[[Snapshot], Vector], Sequence[str]]] = {
         "position": (lambda now: now.state.q[:3], _XYZ),
         "attitude": (lambda now: now.state.q[3:7], (*_XYZ, "w")),

@@ -58,8 +58,9 @@ class SupervisedController(Switching):
     def control(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Decide on the mode, then answer as its law does; see ``Law.control``."""
         last = self._output
-        known = (None, None) if last is None else (last.command, last.telemetry)
-        found = self._supervisor.update(Snapshot(state, reference, *known))
+        command, telemetry = (None, None) if last is None else (last.command, last.telemetry)
+        known = Snapshot(state, reference, command, telemetry, self.wheels.momentum)
+        found = self._supervisor.update(known)
         # Whatever else was asked for: the mode decides.
         self.switch_to(self._first_law if self._supervisor.flies.law == CONTROLLER else found.mode)
         output = super().control(state, found.reference)
