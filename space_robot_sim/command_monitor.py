@@ -1,4 +1,4 @@
-"""What the plant does not take of a command although it fits the robot: too large, too sudden; told as events."""
+"""What the plant does not take of a command although it fits the robot: too large, too sudden; published as events."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class CommandMonitor:
     """Checks commands before they act.
 
     Args:
-        spec: what is checked; None: nothing, and nothing is told.
+        spec: what is checked; None: nothing, and nothing is published.
         limit: (6+n,) largest magnitude that acts per channel; infinite where there is none.
         joint_names: (n) names of the joints.
     """
@@ -54,7 +54,7 @@ class CommandMonitor:
         return command if u.tobytes() == command.u.tobytes() else Command(command.stamp, u[:6], u[6:])
 
     def events(self, stamp: int) -> tuple[DiagnosticEvent, ...]:
-        """What was found in the period that ended at a stamp [ns]; told once."""
+        """What was found in the period that ended at a stamp [ns]; given out once."""
         found, self._found = self._found, []
         events = []
         for name, message, values in found:

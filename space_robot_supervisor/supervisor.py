@@ -1,4 +1,4 @@
-"""The supervisor: looks at every tick, tells what it finds, decides on the mode; no clock, no memory but its own."""
+"""The supervisor: looks at every tick, reports what it finds, decides on the mode; no clock, no memory but its own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from space_robot_supervisor.table import SEVERITIES, ModeSpec, Severity, Supervi
 from space_robot_supervisor.values import Snapshot, value_of
 
 LEVELS: dict[Severity, int] = {"info": OK, "low": WARN, "medium": WARN, "high": ERROR}
-# Name of the events that tell a change of mode.
+# Name of the events of a change of mode.
 MODE = "mode"
 
 

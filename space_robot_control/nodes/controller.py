@@ -46,7 +46,7 @@ class ControllerNode(ManagedNode):
     Args:
         make_law: builds the law, each time the node is configured.
         joint_names: the robot's joints in model order.
-        supervised: the law tells what a supervisor finds.
+        supervised: a supervisor decides which law answers, and its events are published.
         name: node name.
         options: see ManagedNode.
     """

@@ -51,7 +51,7 @@ class SimulatorNode(ManagedNode):
         steps: number of periods of the run; states 0..steps are published, each is to be answered.
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
-        optional: the optional topics of this run, for what the plant tells.
+        optional: the optional topics of this run, for the events of the plant.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         options: see ManagedNode.
     """
