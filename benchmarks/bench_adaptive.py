@@ -1,6 +1,6 @@
 """One control cycle of the adaptive law on `mini`, and how it grows with the number of joints.
 
-The contenders take turns, flight by flight, so that a neighbour's load hits all of them; of every row the tenth
+The contenders take turns, run by run, so that a neighbour's load hits all of them; of every row the tenth
 percentile is given, which is what a cycle takes when nothing interrupts it. Liu, Teng and Jin (2023) give 1e-4 s for
 theirs, on a machine they do not name: so one ABA of Pinocchio and one computed-torque update of the same robot stand
 beside it.
@@ -60,30 +60,30 @@ def _arm(joints: int) -> pin.Model:
 
 def _on_mini(robot: Robot) -> dict[str, Cycle]:
     """What is compared, each taking the number of a cycle."""
-    flight = _flight(robot)
+    states = _states(robot)
     cycles: dict[str, Cycle] = {}
     for update in UPDATES:
         for whole in (False, True):
             law = Adaptive(robot, PERIOD, Adaptive.Gains.model_validate({"update": update}))
             name = f"{update}, {'Law.update' if whole else 'compute'}"
-            cycles[name] = _law_cycle(law, flight, whole=whole)
+            cycles[name] = _law_cycle(law, states, whole=whole)
     cycles["regressor alone"] = _regressor(robot)
     cycles["regressor alone, Pinocchio and polarisation"] = _pinocchio_regressor(robot)
     cycles["pin.aba"] = _aba(robot)
-    cycles["computed_torque, Law.update"] = _law_cycle(ComputedTorque(robot, PERIOD), flight, whole=True)
+    cycles["computed_torque, Law.update"] = _law_cycle(ComputedTorque(robot, PERIOD), states, whole=True)
     return cycles
 
 
 def _rls_of(robot: Robot) -> Cycle:
-    return _law_cycle(Adaptive(robot, PERIOD, Adaptive.Gains(update="rls")), _flight(robot), whole=False)
+    return _law_cycle(Adaptive(robot, PERIOD, Adaptive.Gains(update="rls")), _states(robot), whole=False)
 
 
-def _flight(robot: Robot) -> list[tuple[RobotState, Reference]]:
+def _states(robot: Robot) -> list[tuple[RobotState, Reference]]:
     """Smooth small motions about home, and references just off them."""
     rng = np.random.default_rng(12)
     amplitude, phase = 0.02 * rng.uniform(0.5, 1.0, 3 + robot.n), rng.uniform(0.0, 6.0, 3 + robot.n)
     angular = rng.uniform(0.1, 0.3, 3 + robot.n)
-    flight = []
+    states = []
     for k in range(CYCLES):
         angle = angular * PERIOD * k + phase
         turned, rates = amplitude * np.sin(angle), amplitude * angular * np.cos(angle)
@@ -91,17 +91,17 @@ def _flight(robot: Robot) -> list[tuple[RobotState, Reference]]:
         v = np.array([0.0, 0.0, 0.0, *rates])
         stamp = round(NANOSECONDS * PERIOD * k)
         state = RobotState(stamp, q, v, np.zeros(robot.n), np.zeros(3))
-        flight.append((state, Reference(stamp, q, 1.01 * v, np.zeros(6 + robot.n))))
-    return flight
+        states.append((state, Reference(stamp, q, 1.01 * v, np.zeros(6 + robot.n))))
+    return states
 
 
-def _law_cycle(law: Adaptive | ComputedTorque, flight: list[tuple[RobotState, Reference]], *, whole: bool) -> Cycle:
+def _law_cycle(law: Adaptive | ComputedTorque, states: list[tuple[RobotState, Reference]], *, whole: bool) -> Cycle:
     call = law.update if whole else law.compute
 
     def cycle(k: int) -> object:
         if k == 0:
             law.reset()
-        return call(*flight[k])
+        return call(*states[k])
 
     return cycle
 

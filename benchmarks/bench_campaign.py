@@ -22,7 +22,7 @@ disperse:
 
 
 def run() -> dict[str, float]:
-    """Wall time of flying in seconds, without the start of the workers; median of three."""
+    """Wall time of running in seconds, without the start of the workers; median of three."""
     walls, each = [], []
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch) / "campaign.yaml"

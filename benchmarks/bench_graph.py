@@ -16,7 +16,7 @@ from space_robot_bringup.experiment.experiment import load_experiment, with_dura
 from space_robot_bringup.modes.context import private_context
 from space_robot_bringup.modes.graph import LIGHT, make_graph, spin, spin_graph
 from space_robot_bringup.modes.hooks import Hooks
-from space_robot_bringup.modes.processes import fly_processes
+from space_robot_bringup.modes.processes import run_processes
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.nodes.base import GraphNode
@@ -31,7 +31,7 @@ PERIODS = (0.25, 0.1)
 
 
 class Stopwatch:
-    """Times the flight between two ticks, so that start-up and discovery are not counted."""
+    """Times the run between two ticks, so that start-up and discovery are not counted."""
 
     def __init__(self) -> None:
         self._first: tuple[int, float] | None = None
@@ -88,10 +88,10 @@ def run() -> dict[str, float]:
             for period in PERIODS:
                 experiment = load_experiment(CASE).model_copy(update={"control_period": period})
                 composition = compose(with_duration(experiment, TICKS * period))
-                for mode, fly in (("one process", _graph), ("four processes", _processes)):
+                for mode, run_once in (("one process", _graph), ("four processes", _processes)):
                     row = f"{mode}, recorded, period {period:g} s: ticks/s"
                     place = Path(scratch) / f"{mode}_{period:g}_{repeat}"
-                    table.setdefault(row, []).append(fly(composition, place))
+                    table.setdefault(row, []).append(run_once(composition, place))
             table.setdefault(BARE, []).append(_transport(composition))
     return {row: median(speeds) for row, speeds in table.items()}
 
@@ -108,7 +108,7 @@ def _graph(composition: Composition, place: Path) -> float:
 
 def _processes(composition: Composition, place: Path) -> float:
     watch = Stopwatch()
-    fly_processes(composition, place, realtime=None, hooks=Hooks(on_tick=watch.reach))
+    run_processes(composition, place, realtime=None, hooks=Hooks(on_tick=watch.reach))
     return watch.ticks_per_second
 
 

@@ -1,4 +1,4 @@
-"""One 0.1 s control period of a 500 kg satellite with a seven-joint arm: ours, and MuJoCo, under the same held torques.
+"""One 0.1 s control period of a 500 kg satellite with a seven-joint arm: this simulator and MuJoCo, same held torques.
 
 Contenders take turns, so that a neighbour's load hits all of them; the error is the largest difference in the
 configuration after 2 s from our RK4 at 0.5 ms.
@@ -51,7 +51,7 @@ def run() -> dict[str, float]:
         table[f"{name}: us per period"] = 1e6 * median(times[name])
         table[f"{name}: error"] = errors[name]
     default = times["kernel, DOP853 2 x 50 ms"]
-    ratios = [theirs / ours for theirs, ours in zip(times["MuJoCo, RK4 5 ms"], default, strict=True)]
+    ratios = [theirs / own for theirs, own in zip(times["MuJoCo, RK4 5 ms"], default, strict=True)]
     table["kernel, DOP853 2 x 50 ms: times as fast as MuJoCo RK4 5 ms"] = median(ratios)
     table["kernel, DOP853 2 x 50 ms: simulated s per s"] = 0.1 / median(default)
     return table

@@ -3,7 +3,7 @@
     space-robot run liu2023/fig08 --set controller.law=examples/my_law.py:PdPlus --set controller.gains={}
 
 Unlike computed torque its inertia and its feed-forward are those of the desired motion, whatever the measured state is:
-they could be computed before the flight. It never pushes the base.
+they could be computed before the run. It never pushes the base.
 """
 
 from pydantic import Field, PositiveFloat

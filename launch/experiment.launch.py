@@ -27,7 +27,7 @@ PACKAGES = {
 }
 ARGUMENTS = {
     "experiment": (None, "shipped name or YAML file"),
-    "controller": ("", "law to fly it with; default: the one of the experiment"),
+    "controller": ("", "law to run it with; default: the one of the experiment"),
     "record": ("true", "whether a recorder takes part and keeps a log"),
     "out": ("", "run directory; default: runs/ and the name of the experiment"),
     "realtime": ("", "simulated seconds per second; default: lock-step, as fast as it goes"),

@@ -16,7 +16,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
-    help="Flight software of a space robot, emulated: fly experiments, record them, look at robots.",
+    help="Flight software of a space robot, emulated: run experiments, record them, look at robots.",
     epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
 )
 # A pipe has no width of its own; 80 columns would cut numbers.

@@ -65,7 +65,7 @@ def check_file(
     name_or_path: str,
     kind: str,
     overrides: Sequence[str] = (),
-    say: Callable[[str], None] = lambda line: None,
+    on_notice: Callable[[str], None] = lambda line: None,
     faults: Sequence[str] = (),
 ) -> Checked:
     """Check everything that can be checked before a run.
@@ -74,7 +74,7 @@ def check_file(
         name_or_path: shipped name or YAML file.
         kind: see ``kind_of``.
         overrides: ``dotted.key=value`` of an experiment.
-        say: called with what has to be compiled before the answer.
+        on_notice: called with what has to be compiled before the answer.
         faults: of an experiment, as ``--fault`` takes them.
 
     Raises:
@@ -86,13 +86,13 @@ def check_file(
         if given and kind != "experiment":
             raise SpecError("is for experiments", key=option, value=list(given), accepted=f"keys in the {kind}'s file")
     if kind == "experiment":
-        return _experiment(with_faults(load_experiment(name_or_path, overrides), faults), say)
+        return _experiment(with_faults(load_experiment(name_or_path, overrides), faults), on_notice)
     return _campaign(load_campaign(name_or_path)) if kind == "campaign" else _paper(load_plan(name_or_path))
 
 
-def _experiment(spec: Experiment, say: Callable[[str], None]) -> Checked:
+def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     if line := notice(spec.controller.law_names, plant=False):
-        say(line)
+        on_notice(line)
     composition = compose(spec)
     nominal, review = composition.nominal, composition.review()
     summary = (

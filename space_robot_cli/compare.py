@@ -10,14 +10,13 @@ from rich.console import Console
 
 from space_robot_cli.render.comparison import show
 from space_robot_cli.study import announce, print_interrupted, study
+from space_robot_cli.study_options import StudyOptions
 from space_robot_msgs_py.atomic_file import write_atomically
-from space_robot_msgs_py.bounded_files import is_directory, short
-from space_robot_msgs_py.errors import InputFileError, SpecError
+from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.campaign.cases import make_case
 from space_robot_studies.compare.compare import ComparisonResult, compare, load_compared
 from space_robot_studies.compare.comparison import METRICS
 from space_robot_studies.compare.tables import markdown
-from space_robot_studies.engine.tasks import TIME_LIMIT
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,33 +26,20 @@ class Options:
     Attributes:
         campaigns: names or files.
         directory: of the comparison.
+        study: of all runs.
         runs: per point of the grid; None: what the files say.
-        workers: processes; None: one per core.
-        resume: go on with what is in the directory.
-        time_limit: [s] of CPU time of a run; None: the default.
         metrics: which tables are printed; none: all.
-        markdown: where all tables go; None: nowhere.
-        as_json: print numbers and nothing else on stdout.
     """
 
     campaigns: tuple[str, ...]
     directory: Path
+    study: StudyOptions
     runs: int | None = None
-    workers: int | None = None
-    resume: bool = False
-    time_limit: float | None = None
     metrics: tuple[str, ...] = ()
-    markdown: Path | None = None
-    as_json: bool = False
 
 
 def run(options: Options, out: Console, err: Console) -> bool:
     """Check, run, put side by side, draw and print.
-
-    Args:
-        options: of the command.
-        out: stdout.
-        err: stderr, for progress.
 
     Returns:
         Whether all was run and every bound of the campaigns holds. A law that fails is a row, not a failure.
@@ -64,25 +50,24 @@ def run(options: Options, out: Console, err: Console) -> bool:
     for metric in options.metrics:
         if metric not in METRICS:
             raise SpecError("no such metric", key="--metric", value=metric, accepted=", ".join(METRICS))
-    if options.markdown is not None and not is_directory(options.markdown.resolve().parent):
-        raise InputFileError("no such folder", key="--markdown", value=short(options.markdown))
-    with study(err, quiet=options.as_json) as hooks:
-        if not options.as_json:
+    options.study.check_markdown()
+    with study(err, quiet=options.study.as_json) as hooks:
+        if not options.study.as_json:
             announce(err, _laws(options))
         result = compare(
             options.campaigns,
             options.directory,
             runs=options.runs,
-            workers=options.workers,
-            resume=options.resume,
-            time_limit=TIME_LIMIT if options.time_limit is None else options.time_limit,
+            workers=options.study.workers,
+            resume=options.study.resume,
+            time_limit=options.study.seconds,
             hooks=hooks,
         )
         if result.costs is None:
             print_interrupted(err, result.end_reason)
             return False
         _write(options, result)
-    if options.as_json:
+    if options.study.as_json:
         print(json.dumps(result.to_dict() | {"costs_us": result.costs}, allow_nan=False))
         return result.passed
     for comparison in result.comparisons:
@@ -101,8 +86,8 @@ def _laws(options: Options) -> list[str]:
 
 def _write(options: Options, result: ComparisonResult) -> None:
     """Pictures where matplotlib is, and the tables where a file for them is given."""
-    if options.markdown is not None:
-        write_atomically(options.markdown, markdown(result.comparisons, result.costs or {}))
+    if options.study.markdown is not None:
+        write_atomically(options.study.markdown, markdown(result.comparisons, result.costs or {}))
     try:
         from space_robot_report.figures.comparison import draw_comparison
     except ImportError:

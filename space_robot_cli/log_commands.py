@@ -31,11 +31,11 @@ def replay(
         list[str] | None, typer.Option(metavar="TOPIC[/BLOCK]", help="not compared; may be given often")
     ] = None,
     experiment: Annotated[
-        str | None, typer.Option(help="for bags of another tool: shipped name or YAML file of what was flown")
+        str | None, typer.Option(help="for bags of another tool: shipped name or YAML file of what was run")
     ] = None,
     namespace: Annotated[str, typer.Option(help="in front of the topics of a bag of another tool")] = "",
     update_refs: Annotated[
-        bool, typer.Option("--update-refs", help="say what is different, then fly again and replace the bag")
+        bool, typer.Option("--update-refs", help="say what is different, then run again and replace the bag")
     ] = False,
     publish: Annotated[
         bool, typer.Option("--publish", help="put the bag on the live graph in place of the simulator instead")
@@ -57,10 +57,10 @@ def replay(
 ) -> None:
     """Compute a recorded run again and compare every number with the log, or publish it to a node of your own."""
     from space_robot_bringup.replay.comparison import Tolerance
-    from space_robot_bringup.replay.golden import refly
+    from space_robot_bringup.replay.golden import update_reference
     from space_robot_bringup.replay.publish import PublishOrder
     from space_robot_bringup.replay.recording import Code
-    from space_robot_bringup.replay.replay import Order, replay
+    from space_robot_bringup.replay.replay import ReplayOptions, replay
     from space_robot_cli.render import replay as show
 
     tolerance = Tolerance(rtol, atol, tuple(name.lstrip("/") for name in ignore or ()))
@@ -72,15 +72,15 @@ def replay(
         return
     if rate is not None or paused or loop or topics or role != "state":
         raise SpecError("is for --publish", key="--rate, --paused, --loop, --topics, --as", accepted="with --publish")
-    order = Order(against, tolerance, set_ or (), experiment, namespace, Code(tuple(law or ()), allow_code))
+    options = ReplayOptions(against, tolerance, set_ or (), experiment, namespace, Code(tuple(law or ()), allow_code))
     done = []
     for bag in bags:
-        one = replay(bag, order, lambda line: None if as_json else err.print(line))
+        one = replay(bag, options, lambda line: None if as_json else err.print(line))
         done.append(one)
         if not as_json:
             show.print_replayed(out, one)
         if update_refs:
-            said = "replaced by a new flight" if refly(one.recording) else "up to date"
+            said = "replaced by a new run" if update_reference(one.recording) else "up to date"
             err.print(f"{bag}: {said}", markup=False, soft_wrap=True)
     if as_json:
         found = [show.as_dict(one) for one in done]
@@ -89,7 +89,7 @@ def replay(
         raise typer.Exit(FAILED)
 
 
-def _publish(bags: list[Path], order: PublishOrder, tolerance: Tolerance) -> None:
+def _publish(bags: list[Path], options: PublishOrder, tolerance: Tolerance) -> None:
     """Let a node on the graph answer one bag; the end of what it answered decides the exit code."""
     from space_robot_bringup.modes.signals import StopFlag
     from space_robot_bringup.replay.publish import Answers, open_broadcast
@@ -102,10 +102,10 @@ def _publish(bags: list[Path], order: PublishOrder, tolerance: Tolerance) -> Non
     except ImportError as error:
         accepted = "install space-robot[ros], or source a Jazzy"
         raise SpecError(f"needs ROS 2 Jazzy ({error})", key="--publish", accepted=accepted) from None
-    broadcast = open_broadcast(bags[0], order.namespace)
+    broadcast = open_broadcast(bags[0], options.namespace)
     answers = Answers(broadcast, tolerance)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
-        reason = replayer.publish(broadcast, order, answers, lambda: stop.reason)
+        reason = replayer.publish(broadcast, options, answers, lambda: stop.reason)
     show.print_answers(out, answers, reason)
     if answers.different or (reason != "completed" and stop.reason is None):
         raise typer.Exit(FAILED)
@@ -132,11 +132,11 @@ def info(
 
 @app.command()
 def recover(
-    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file that was cut or damaged")],
+    bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file that was truncated or corrupted")],
     directory: Annotated[Path | None, typer.Option("--out", "-o", help="default BAG_recovered")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Make a clean, indexed bag of a cut or damaged one and say what was lost."""
+    """Make a clean, indexed bag of a truncated or corrupted one and say what was lost."""
     from space_robot_cli.render import log as show
     from space_robot_msgs_py.log.recover import recover
 

@@ -73,7 +73,7 @@ def check(
     fault: FaultOption = None,
     kind: Annotated[str, typer.Option(help="experiment, campaign or paper; default: what it looks like")] = "",
 ) -> None:
-    """Check an experiment, a campaign or a paper's manifest completely without flying it."""
+    """Check an experiment, a campaign or a paper's manifest completely without running it."""
     from space_robot_cli.check import check_file, kind_of
 
     checked = check_file(file, kind or kind_of(file), set_ or (), err.print, faults=fault or ())
@@ -113,9 +113,9 @@ def run(
     ] = None,
     set_: SetOption = None,
     fault: FaultOption = None,
-    duration: Annotated[float | None, typer.Option(help="fly this long instead [s]")] = None,
+    duration: Annotated[float | None, typer.Option(help="run this long instead [s]")] = None,
     campaign_directory: Annotated[
-        Path | None, typer.Option("--from", metavar="DIR", help="fly one case of this campaign, with --index")
+        Path | None, typer.Option("--from", metavar="DIR", help="run one case of this campaign, with --index")
     ] = None,
     index: Annotated[int | None, typer.Option(help="of the case, with --from")] = None,
     law: LawOption = None,
@@ -133,7 +133,7 @@ def run(
     port: PortOption = 8080,
     no_browser: NoBrowserOption = False,
 ) -> None:
-    """Fly an experiment, log it to a bag and print the verdict."""
+    """Run an experiment, log it to a bag and print the verdict."""
     mode = mode or ("headless" if campaign_directory is None else "graph")
     if timeout is not None and not 0.0 < timeout < float("inf"):
         raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
@@ -157,10 +157,9 @@ def run(
         spec = with_faults(with_duration(load_experiment(experiment, set_ or ()), duration), fault or ())
         name = experiment_path(experiment).stem
     else:
-        accepted = "an experiment with --set, --fault and --duration, or --from DIR with --index K"
-        raise SpecError("says not what to fly, or twice", key="run", accepted=accepted)
+        raise SpecError("give either EXPERIMENT or --from DIR --index K, not both", key="run")
     place = directory or Path("runs") / name
-    result = _fly(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json)
+    result = _run(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json)
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     if as_json:
@@ -175,7 +174,7 @@ def run(
         from space_robot_description.load import load_robot
         from space_robot_description.share import mesh_folders
 
-        # The user has just flown this robot; one out of somebody's campaign shows what any log may.
+        # The user has just run this robot; one out of a campaign directory shows what any log may.
         folders = mesh_folders(load_robot(spec.robot).urdf) if campaign_directory is None else ()
         show_log(result.directory, port=port, open_browser=not no_browser, meshes=folders)
     if found or not result.passed:
@@ -187,7 +186,7 @@ def plot(
     log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
     picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
 ) -> None:
-    """Draw a log: attitude and joints against what was asked, and the torques it took."""
+    """Draw a log: attitude and joints, desired and measured, and the torques."""
     try:
         from space_robot_report.figures.log import draw
     except ImportError as error:
@@ -207,7 +206,7 @@ def schema(
     print(json.dumps(schema_of(kind), indent=2))
 
 
-def _fly(
+def _run(
     spec: Experiment,
     place: Path,
     mode: Any,
@@ -258,7 +257,7 @@ def main() -> Never:
         err.print(f"space-robot: {error.reason if isinstance(error, Interrupted) else 'interrupted'}", markup=False)
         sys.exit(FAILED)
     except BrokenPipeError:
-        # Nobody reads what is printed any more, as after `| head`; nothing more can be said on it, at the exit neither.
+        # The reader of stdout is gone, as after `| head`; nothing more can be printed, at the exit neither.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(FAILED)
     except OSError as error:

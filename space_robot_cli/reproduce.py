@@ -10,10 +10,9 @@ from rich.console import Console
 
 from space_robot_cli.render.paper import markdown, show
 from space_robot_cli.study import announce, print_interrupted, study
+from space_robot_cli.study_options import StudyOptions
 from space_robot_msgs_py.atomic_file import write_atomically
-from space_robot_msgs_py.bounded_files import is_directory, short
-from space_robot_msgs_py.errors import InputFileError, SpecError
-from space_robot_studies.engine.tasks import TIME_LIMIT
+from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
 from space_robot_studies.reproduce.reproduction import reproduce
 
@@ -24,32 +23,19 @@ class Options:
 
     Attributes:
         paper: name or manifest file.
+        study: of all runs.
         figures: which; none: all.
         directory: of the report; None: ``out/<paper>``.
-        workers: processes; None: one per core.
-        resume: keep the finished runs in the directory that are still the same.
-        time_limit: [s] of CPU time of a run; None: the default.
-        markdown: where the claims go as a table; None: nowhere.
-        as_json: print claims.json and nothing else on stdout.
     """
 
     paper: str
+    study: StudyOptions
     figures: tuple[str, ...] = ()
     directory: Path | None = None
-    workers: int | None = None
-    resume: bool = False
-    time_limit: float | None = None
-    markdown: Path | None = None
-    as_json: bool = False
 
 
 def run(options: Options, out: Console, err: Console) -> bool:
     """Check, run, draw, judge and print.
-
-    Args:
-        options: of the command.
-        out: stdout.
-        err: stderr, for progress.
 
     Returns:
         Whether everything is as documented; False if it was interrupted.
@@ -63,32 +49,31 @@ def run(options: Options, out: Console, err: Console) -> bool:
     except ImportError as error:
         needs = f"reproduce needs matplotlib and jinja2 ({error})"
         raise SpecError(needs, accepted="install space-robot[viz]") from None
-    with study(err, quiet=options.as_json) as hooks:
+    with study(err, quiet=options.study.as_json) as hooks:
         plan = load_plan(options.paper)
         figures = choose_figures(plan.manifest, options.figures)
         for name in figures:
             check_colors(plan.manifest.figures[name], f"{plan.argument} figures.{name}")
-        if options.markdown is not None and not is_directory(options.markdown.resolve().parent):
-            raise InputFileError("no such folder", key="--markdown", value=short(options.markdown))
-        if not options.as_json:
+        options.study.check_markdown()
+        if not options.study.as_json:
             announce(err, _laws(plan, figures))
         directory = options.directory or Path("out") / plan.name
         result = reproduce(
             plan,
             directory,
             figures=figures,
-            workers=options.workers,
-            resume=options.resume,
-            time_limit=TIME_LIMIT if options.time_limit is None else options.time_limit,
+            workers=options.study.workers,
+            resume=options.study.resume,
+            time_limit=options.study.seconds,
             hooks=hooks,
         )
         if result.end_reason != "completed":
             print_interrupted(err, result.end_reason)
             return False
         data = write_report(plan, result.figures, directory)
-        if options.markdown is not None:
-            write_atomically(options.markdown, markdown(data))
-    if options.as_json:
+        if options.study.markdown is not None:
+            write_atomically(options.study.markdown, markdown(data))
+    if options.study.as_json:
         print(json.dumps(data, allow_nan=False))
     else:
         show(out, data)

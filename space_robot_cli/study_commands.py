@@ -83,9 +83,11 @@ def compare_laws(
     """Run laws side by side on one task and print what each did at each period."""
     single_threaded()
     from space_robot_cli.compare import Options, run
+    from space_robot_cli.study_options import StudyOptions
 
     campaigns, metrics = tuple(files or ("compare_mini", "compare_servicer")), tuple(metric or ())
-    options = Options(campaigns, directory, runs, workers, resume, time_limit, metrics, markdown, as_json)
+    shared = StudyOptions(workers, resume, time_limit, markdown, as_json)
+    options = Options(campaigns, directory, shared, runs, metrics)
     if not run(options, out, err):
         raise typer.Exit(FAILED)
 
@@ -106,7 +108,9 @@ def reproduce(
     """Run the figures of a paper, draw them and judge its claims one by one."""
     single_threaded()
     from space_robot_cli.reproduce import Options, run
+    from space_robot_cli.study_options import StudyOptions
 
-    options = Options(paper, tuple(figure or ()), directory, workers, resume, time_limit, markdown, as_json)
+    shared = StudyOptions(workers, resume, time_limit, markdown, as_json)
+    options = Options(paper, shared, tuple(figure or ()), directory)
     if not run(options, out, err):
         raise typer.Exit(FAILED)

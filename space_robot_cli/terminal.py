@@ -1,4 +1,4 @@
-"""The terminal: what somebody else wrote cannot steer it, whether it is printed as it is or with markup beside it."""
+"""The terminal: text of third parties cannot steer it, whether it is printed as it is or with markup beside it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from space_robot_msgs_py.escapes import visible
 
 
 class PlainConsole(Console):
-    """A console that shows control characters instead of obeying them, whoever prints; texts have no emoji codes."""
+    """A console that shows control characters instead of obeying them, whatever prints; texts have no emoji codes."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(emoji=False, highlight=False, **options)

@@ -14,7 +14,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.parameters import ParameterRow
 
 Model = TypeVar("Model", bound=BaseModel)
-# What a field says of itself to be changed in flight: Field(..., json_schema_extra=DYNAMIC). Of a section: all in it.
+# Marks a field that may change during the run: Field(..., json_schema_extra=DYNAMIC). On a section: all in it.
 DYNAMIC: dict[str, Any] = {"dynamic": True}
 
 
@@ -24,7 +24,7 @@ def parameter_rows(model: BaseModel, prefix: str = "", *, dynamic: bool = False)
     Args:
         model: a typed model with all its values.
         prefix: stands before every name, with its dot.
-        dynamic: every field may change in flight, whatever it says of itself.
+        dynamic: every field may change during the run, whatever it says of itself.
     """
     plain = model.model_dump(mode="json", by_alias=True)
     for name, info in type(model).model_fields.items():
@@ -60,7 +60,7 @@ def changed(model: Model, changes: Mapping[str, Any], where: str) -> Model:
             accepted = nearest(name, may) or ", ".join(may) or "nothing: it has no dynamic gains"
             raise SpecError("there is no such number to change", key=f"{where}{name}", accepted=accepted)
         if not rows[name].dynamic:
-            raise SpecError("cannot change in flight", key=f"{where}{name}", value=value)
+            raise SpecError("cannot change during the run", key=f"{where}{name}", value=value)
         *sections, last = name.split(".")
         place = data
         for section in sections:

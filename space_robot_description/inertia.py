@@ -13,7 +13,7 @@ from space_robot_msgs_py.interfaces import Vector
 # Thin rods and plates meet the triangle inequality with equality; this much is round-off of the file's numbers.
 ROUND_OFF = 1e-9
 # [kg, m, kg m2]; squares of numbers near the end of the float range would overflow.
-LARGEST = 1e12
+MAX_MAGNITUDE = 1e12
 
 
 def check_inertia(link: str, mass: float, com: Vector, inertia: Vector, *, point_mass: bool = False) -> None:
@@ -38,8 +38,10 @@ def check_inertia(link: str, mass: float, com: Vector, inertia: Vector, *, point
         found = np.asarray(value).tolist()
         if not np.isfinite(value).all():
             raise InertiaError(f"{name} is not finite", key=key, value=found, accepted="finite numbers")
-        if np.max(np.abs(value)) > LARGEST:
-            raise InertiaError(f"{name} is beyond any spacecraft", key=key, value=found, accepted=f"below {LARGEST:g}")
+        if np.max(np.abs(value)) > MAX_MAGNITUDE:
+            raise InertiaError(
+                f"{name} is beyond any spacecraft", key=key, value=found, accepted=f"below {MAX_MAGNITUDE:g}"
+            )
     if mass <= 0.0:
         raise InertiaError("mass is not positive", key=key, value=float(mass), accepted="> 0 kg")
     if point_mass and not np.any(inertia):

@@ -51,7 +51,7 @@ def robot_path(name_or_path: str | Path) -> Path:
     path = Path(name_or_path)
     if path.suffix in (".urdf", ".xacro"):
         accepted = f"a robot file with `urdf: {path.name}`, a base mode and actuators"
-        raise SpecError("a URDF alone does not fly", key="robot", value=short(name_or_path), accepted=accepted)
+        raise SpecError("a URDF alone cannot be run", key="robot", value=short(name_or_path), accepted=accepted)
     if is_file(path):
         return path
     if path.suffix or len(path.parts) != 1:

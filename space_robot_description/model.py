@@ -106,7 +106,7 @@ def _joint_row(name: str, joint: ET.Element) -> JointRow | None:
     if kind == "fixed":
         return None
     if kind not in MOVING:
-        hint = "; the root link flies by itself, drop this joint" if kind == "floating" else ""
+        hint = "; the root link is free by itself, drop this joint" if kind == "floating" else ""
         raise SpecError("joint type cannot be used", key=key, value=kind, accepted=f"fixed, {', '.join(MOVING)}{hint}")
     if joint.find("mimic") is not None:
         raise SpecError(

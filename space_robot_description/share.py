@@ -90,7 +90,7 @@ def resource(uri: str, folder: Path) -> Path:
 def mesh_file(uri: str, folders: Sequence[Path] = ()) -> Path | None:
     """The file of a mesh in a composed URDF, where it may be read.
 
-    A URDF may come out of a log that somebody sent: it names no file but those of the shipped robots, of ROS packages,
+    A URDF may come out of a third-party log: it names no file but those of the shipped robots, of ROS packages,
     of wheels and of folders that the user typed.
 
     Args:
@@ -102,7 +102,7 @@ def mesh_file(uri: str, folders: Sequence[Path] = ()) -> Path | None:
         candidates = [share / uri.removeprefix("package://") for share in shares]
     else:
         candidates = [Path(unquote(uri.removeprefix("file://")))]
-    # By name, not by where links lead: installed files may be links, and nobody else makes any in these folders.
+    # By name, not by where links lead: installed files may be links, and nothing else makes any in these folders.
     allowed = [os.path.abspath(place) for place in (*shares, config_dir(), *folders)]
     for path in candidates:
         place = os.path.abspath(path)
@@ -112,7 +112,7 @@ def mesh_file(uri: str, folders: Sequence[Path] = ()) -> Path | None:
 
 
 def mesh_folders(urdf: str) -> list[Path]:
-    """Where the meshes of a robot lie that the user has just flown: those may be drawn."""
+    """Where the meshes of a robot lie of the user's own run: those may be drawn."""
     found = dict.fromkeys(re.findall(r'filename="file://([^"]+)"', urdf))
     return list(dict.fromkeys(Path(unquote(path)).parent for path in found))
 

@@ -21,7 +21,7 @@ PerJoint = float | tuple[float, ...] | dict[str, float]
 
 
 # No quantity of a spacecraft in SI units is larger, and products of a few such numbers do not overflow.
-LARGEST = 1e15
+MAX_MAGNITUDE = 1e15
 
 
 def _hold_values(schema: Any) -> None:
@@ -35,9 +35,9 @@ def _hold_values(schema: Any) -> None:
             schema["strict"] = True
         if schema.get("type") == "float":
             if not schema.keys() & {"ge", "gt"}:
-                schema["ge"] = -LARGEST
+                schema["ge"] = -MAX_MAGNITUDE
             if not schema.keys() & {"le", "lt"}:
-                schema["le"] = LARGEST
+                schema["le"] = MAX_MAGNITUDE
         for part in list(schema.values()):
             _hold_values(part)
 
@@ -53,7 +53,7 @@ def _may_hold(annotation: Any) -> bool:
 class Strict(BaseModel):
     """Base of every typed file: unknown keys, NaN, infinity and what is no number are errors.
 
-    Values are immutable to the last dict and list inside: what was checked is what is flown.
+    Values are immutable to the last dict and list inside: what was checked is what is run.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -77,7 +77,7 @@ class Strict(BaseModel):
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Hold every number of the model to being one: neither ``true`` nor ``"0.1"``, nor beyond ``LARGEST``.
+        """Hold every number of the model to being one: neither ``true`` nor ``"0.1"``, nor beyond ``MAX_MAGNITUDE``.
 
         A text that says nothing else has at most ``TEXT_LENGTH`` characters.
         """

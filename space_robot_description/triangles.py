@@ -13,7 +13,7 @@ from space_robot_msgs_py.interfaces import Vector
 SIDES = 28
 # Cells along the diagonal of a mesh; finer detail than this is not seen.
 CELLS = 56
-MOST_TRIANGLES = 2500
+MAX_TRIANGLES = 2500
 
 Faces = npt.NDArray[np.int64]
 Mesh = tuple[Vector, Faces]
@@ -37,7 +37,7 @@ def triangles_of(shape: Any) -> Mesh | None:
     return None
 
 
-def simplified(vertices: Vector, faces: Faces, most: int = MOST_TRIANGLES) -> Mesh:
+def simplified(vertices: Vector, faces: Faces, most: int = MAX_TRIANGLES) -> Mesh:
     """The same surface with at most that many triangles: vertices in a common cell become one.
 
     Args:

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from space_robot_description.inertia import check_inertia
-from space_robot_description.spec import LARGEST
+from space_robot_description.spec import MAX_MAGNITUDE
 from space_robot_msgs_py.bounded_xml import parse_xml
 from space_robot_msgs_py.errors import InertiaError, SpecError
 from space_robot_msgs_py.interfaces import Vector
@@ -100,12 +100,12 @@ def numbers(element: ET.Element | None, attribute: str, default: str, key: str) 
     """Three finite numbers of an attribute such as ``xyz``.
 
     Raises:
-        SpecError: not three finite numbers, or one beyond ``LARGEST``.
+        SpecError: not three finite numbers, or one beyond ``MAX_MAGNITUDE``.
     """
     text = default if element is None else element.get(attribute, default)
     values = [_to_float(part) for part in text.split()]
-    if len(values) != 3 or not all(abs(value) <= LARGEST for value in values):
-        accepted = f"three finite numbers, none beyond {LARGEST:g}"
+    if len(values) != 3 or not all(abs(value) <= MAX_MAGNITUDE for value in values):
+        accepted = f"three finite numbers, none beyond {MAX_MAGNITUDE:g}"
         raise SpecError(f"{attribute} is not a vector", key=key, value=text, accepted=accepted)
     return np.array(values)
 

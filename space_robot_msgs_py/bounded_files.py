@@ -1,4 +1,4 @@
-"""Files somebody else may have written: what kind of thing a path names, and texts of it up to a size."""
+"""Files of third parties: what kind of thing a path names, and texts of it up to a size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XML that somebody else may have written: no entities, and size and depth are bounded while it is parsed."""
+"""XML of third parties: no entities, and size and depth are bounded while it is parsed."""
 
 from __future__ import annotations
 

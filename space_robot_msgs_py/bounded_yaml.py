@@ -1,6 +1,6 @@
-"""YAML that somebody else may have written: its size is bounded before, while and after it is parsed.
+"""YAML of third parties: its size is bounded before, while and after it is parsed.
 
-An alias is a value of its own for whoever walks the data, so aliases are counted written out: 400 bytes of aliases to
+An alias is a value of its own for code that walks the data, so aliases are counted written out: 400 bytes of aliases to
 aliases would be more values than there are atoms.
 """
 

@@ -22,13 +22,14 @@ _KINDS: dict[Kind, str] = {
     "state": "RobotState: its parts share a stamp",
     "reference": "Reference: its parts share a stamp, that of the tick it is for; published ahead",
     "command": "Command: its parts carry the stamp of the state they answer",
+    "accepted_command": "a whole command, under its stamp",
     "controller_telemetry": "what the law wants to be seen, under the stamp of its command",
-    "controller_event": "what changed in flight how the law answers, from that stamp on",
+    "controller_event": "what changed during the run how the law answers, from that stamp on",
     "supervision_event": "what a supervisor found, under the stamp of the state it looked at",
     "plant_telemetry": "truth and conservation, under the stamp of the state",
     "plant_event": "what happens to the real robot, from that stamp on",
     "description": "text, once per run",
-    "event": "text, once per run",
+    "event": "of the run as a whole: its begin, its end, how far it may go",
     "tool": "for tools; nothing in the control loop depends on it",
 }
 
@@ -46,7 +47,8 @@ _CONVENTIONS = """\
 - Covariances are zero when sent and not looked at when read.
 - Telemetry has one entry in `layout.dim` for each block: label, size, and stride equal to size. The first block is
   `stamp`, one number, in ns; it is exact below 2^53 ns (104 days).
-- Messages are little-endian CDR with zero padding. A message with other names, frames or sizes is refused.
+- Messages are little-endian CDR with zero padding; in commands on the graph two bytes of it tell the sender. A message
+  with other names, frames or sizes is refused.
 """
 
 

@@ -52,7 +52,7 @@ class SpecError(SpaceRobotError, ValueError):
 
 
 class CodeError(SpecError):
-    """Data names code that nobody who runs the program has named."""
+    """Data names code that the user of the program has not named."""
 
 
 class InputFileError(SpaceRobotError, OSError):

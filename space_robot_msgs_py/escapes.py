@@ -1,4 +1,4 @@
-"""Text that somebody else wrote, made plain text for whatever shows it: one function per target.
+"""Text of third parties, made plain text for whatever shows it: one function per target.
 
 Titles, names, labels and reasons come out of logs and off topics. Nowhere may they be more than the text they are.
 """

@@ -1,4 +1,4 @@
-"""What happened to a controller in flight, so that a log tells it and a replay can do it again: one JSON line each."""
+"""Events of a controller during the run, as recorded in a log and repeated by a replay: one JSON line each."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from typing import Any
 
 from space_robot_msgs_py.errors import LayoutError
 
+# Other nodes than before publish a topic of the run.
+PUBLISHERS = "publishers"
+
 
 @dataclass(frozen=True, slots=True)
 class ControllerEvent:
@@ -16,8 +19,9 @@ class ControllerEvent:
 
     Attributes:
         stamp: of the first command it acts on [ns].
-        kind: ``parameters`` (content ``values``: what ``Tunable.tune`` was given), ``switch`` (``from``, ``to``) or
-            ``reset`` (of the law, because states passed unanswered).
+        kind: ``parameters`` (content ``values``: what ``Tunable.tune`` was given), ``switch`` (``from``, ``to``),
+            ``reset`` (of the law, because states passed unanswered), or ``PUBLISHERS`` (``topic``, ``nodes``): the
+            recorder adds it, and it changes no answer.
         content: plain data.
     """
 

@@ -42,7 +42,7 @@ def check_before_reading(place: Path) -> None:
 def unpacker(reader: Any) -> Callable[[bytes], bytes]:
     """What makes a message of what a reader of rosbags gives.
 
-    rosbags unpacks messages that rosbag2 compressed one by one to whatever size they say; here it is told that they are
+    rosbags unpacks messages that rosbag2 compressed one by one to whatever size they say; here it takes them as
     not compressed, and they are unpacked up to a limit.
 
     Args:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Callable
 from typing import Generic, TypeVar
 
 from space_robot_msgs_py.errors import SpecError
@@ -14,22 +15,26 @@ class StampJoiner(Generic[T]):
     """Collects the parts of each stamp and gives them out together, once.
 
     As long as no more than ``capacity`` stamps are under way, the result does not depend on the order of arrival.
-    A part that comes twice is taken the first time.
+    A part that comes twice is taken the first time, unless ``choose`` says otherwise.
 
     Args:
         parts: how many parts make a whole.
         capacity: how many incomplete stamps are kept; beyond, the one waiting longest is dropped and counted.
         once: True: a stamp that was given out is remembered (the last ``capacity`` of them) and late duplicates are
             ignored. False: it is forgotten, so that time may start again without ``clear``.
+        choose: of two items for the same part, the one that is there and the one that comes, the one to keep; given
+            with the index of the part.
 
     Attributes:
         dropped: how many incomplete stamps were given up for lack of room.
     """
 
-    def __init__(self, parts: int, capacity: int, *, once: bool = True) -> None:
+    def __init__(
+        self, parts: int, capacity: int, *, once: bool = True, choose: Callable[[int, T, T], T] | None = None
+    ) -> None:
         if parts < 1 or capacity < 1:
             raise SpecError("nothing to join", key="parts, capacity", value=(parts, capacity), accepted="1 or more")
-        self._parts, self._capacity, self._once = parts, capacity, once
+        self._parts, self._capacity, self._once, self._choose = parts, capacity, once, choose
         # The first key came first, and is the one to give up; an OrderedDict finds it at once.
         self._open: OrderedDict[int, dict[int, T]] = OrderedDict()
         self._done: OrderedDict[int, None] = OrderedDict()
@@ -53,7 +58,11 @@ class StampJoiner(Generic[T]):
         if items is None:
             items = self._open[stamp] = {}
             self._make_room()
-        items.setdefault(part_index, item)
+        if part_index in items and self._choose is not None:
+            item = self._choose(part_index, items[part_index], item)
+            items[part_index] = item
+        else:
+            items.setdefault(part_index, item)
         if len(items) < self._parts:
             return None
         del self._open[stamp]

@@ -14,7 +14,7 @@ class ParameterRow:
         name: dotted.
         value: plain data as in a file.
         description: for people, with the unit.
-        dynamic: it may change in flight; all others are read-only.
+        dynamic: it may change during the run; all others are read-only.
         lower: bound of a number, None where there is none.
         upper: likewise.
     """

@@ -9,6 +9,7 @@ Kind = Literal[
     "state",
     "reference",
     "command",
+    "accepted_command",
     "controller_telemetry",
     "controller_event",
     "supervision_event",
@@ -108,8 +109,8 @@ CONTROLLER_EVENTS = Topic(
     "std_msgs/msg/String",
     "controller_event",
     "controller",
-    "gains changed and laws switched in flight, one JSON line each: stamp [ns] of the first command it acts on, kind, "
-    "content; sent before that command",
+    "gains changed and laws switched during the run, one JSON line each: stamp [ns] of the first command it acts on, "
+    "kind, content; sent before that command",
     sporadic=True,
 )
 EVENTS = Topic(
@@ -189,12 +190,21 @@ TF_STATIC = Topic(
     latched=True,
     derived=True,
 )
+RUN_BEGIN = Topic(
+    "run_begin",
+    "std_msgs/msg/String",
+    "event",
+    "simulator",
+    "JSON: name of the run, and how often it was reset; time begins again with a reset and with nothing else",
+    latched=True,
+    recorded=False,
+)
 RUN_END = Topic(
     "run_end",
     "std_msgs/msg/String",
     "event",
     "simulator",
-    "why the run ended; every node stops when it hears it",
+    "JSON: name of the run, node, and reason why the run ended; every node of that run stops when it hears it",
     latched=True,
     recorded=False,
 )
@@ -205,6 +215,15 @@ RECORDER_CREDIT = Topic(
     "recorder",
     "how far the simulator may go: the run starts when the recorder is matched with every node, and never outruns it",
     latched=True,
+    recorded=False,
+)
+ACCEPTED_COMMAND = Topic(
+    "accepted_command",
+    "std_msgs/msg/Float64MultiArray",
+    "accepted_command",
+    "simulator",
+    "the commands the simulator accepted, as blocks `stamp` [ns], `wrench`, `effort`; only where a node listens, as "
+    "the recorder does once commands have more than one publisher",
     recorded=False,
 )
 CLOCK = Topic(
@@ -244,8 +263,10 @@ TABLE: tuple[Topic, ...] = (
     PLANT_TELEMETRY,
     TF,
     TF_STATIC,
+    RUN_BEGIN,
     RUN_END,
     RECORDER_CREDIT,
+    ACCEPTED_COMMAND,
     CLOCK,
     DIAGNOSTICS,
 )

@@ -104,7 +104,7 @@ class CommandCheck(Strict):
 
 
 class MonitorSpec(Strict):
-    """What the plant checks of commands that fit the robot; what it finds is counted and published on `plant/events`."""
+    """What the plant checks of commands that fit the robot; what it finds is published on `plant/events`."""
 
     limit: CommandCheck | None = Field(default=None, description="size of a command")
     rate: CommandCheck | None = Field(

@@ -1,4 +1,4 @@
-"""What holds for all tests, and fixtures of those that fly."""
+"""What holds for all tests, and fixtures of those that run."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def spawn() -> Iterator[Spawn]:
 
 @pytest.fixture
 def space_robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Tool:
-    """The tool's own entry point in an empty folder; in this process, because importing it takes longer than flying."""
+    """The tool's own entry point in an empty folder; in this process, because importing it takes longer than a run."""
 
     def call(*arguments: str) -> subprocess.CompletedProcess[str]:
         monkeypatch.chdir(tmp_path)

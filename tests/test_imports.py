@@ -35,7 +35,7 @@ ROS += ("trajectory_msgs", "diagnostic_msgs", "rosgraph_msgs", "builtin_interfac
 ROS += ("lifecycle_msgs", "tf2_msgs")
 ROOMS = dict.fromkeys(("matplotlib", "plotly", "viser"), REPORT) | dict.fromkeys(("typer", "rich"), CLI)
 ROS_FILES = {f"{MSGS}/ros.py", f"{BRINGUP}/modes/graph.py", f"{BRINGUP}/modes/context.py"}
-LARGEST_SHARE = 0.30
+MAX_SHARE = 0.30
 
 
 def files_of(package: str) -> list[Path]:
@@ -102,7 +102,7 @@ def test_no_package_outgrows_the_others() -> None:
         for package in MAY_IMPORT
     }
     shares = {package: count / sum(lines.values()) for package, count in lines.items()}
-    assert max(shares.values()) <= LARGEST_SHARE, shares
+    assert max(shares.values()) <= MAX_SHARE, shares
 
 
 def test_kernels_take_only_kernels_from_elsewhere() -> None:

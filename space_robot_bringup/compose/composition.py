@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 # Everything whose version can change the bits of a run; the log carries it.
 VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
-# References that a law reviews before a flight.
+# References that a law reviews before a run.
 PATH_POINTS = 200
 
 
@@ -52,8 +52,8 @@ class Composition:
     Attributes:
         experiment: what it was made from.
         nominal: the robot the flight software believes in.
-        truth: the robot that flies, as it starts.
-        changes: (stamp [ns], robot that flies from then on), in order.
+        truth: the true robot, as it starts.
+        changes: (stamp [ns], true robot from then on), in order.
         faults: what goes wrong; None: nothing.
         policy: whose code may be its laws.
     """
@@ -186,7 +186,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
 
         check_supervision(experiment)
     robot = load_robot(experiment.robot)
-    nominal = _variant(robot, _believed(experiment), seeds[0])
+    nominal = _variant(robot, _nominal_spec(experiment), seeds[0])
     nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
     truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
@@ -198,9 +198,9 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
         changes = robots_with_faults(plan, _variant(robot, _unladen(spec), seeds[1]), spec)
     reference = make_reference(experiment.reference, nominal, q0)
     composition = Composition(experiment, nominal, truth, changes, plan, policy, reference, seeds, q0, v0)
-    flying = nominal.base_mode == "free_flying"
-    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=flying))
-    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=flying))
+    free_flying = nominal.base_mode == "free_flying"
+    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=free_flying))
+    check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=free_flying))
     _check_recorded(experiment)
     return composition
 
@@ -217,7 +217,7 @@ def versions() -> dict[str, str]:
 
 
 def _check_recorded(experiment: Experiment) -> None:
-    """A recorded reference has a row for every tick up to its last; a gap would end the flight."""
+    """A recorded reference has a row for every tick up to its last; a gap would end the run."""
     spec = experiment.reference
     if spec.kind != "recorded":
         return
@@ -236,7 +236,7 @@ def _delay_warnings(experiment: Experiment, law: Law) -> Iterator[str]:
         yield f"{law.name or type(law).__qualname__} takes no account of nominal.delay_periods={known}"
 
 
-def _believed(experiment: Experiment) -> ModelSpec:
+def _nominal_spec(experiment: Experiment) -> ModelSpec:
     """What ``nominal`` says, with its payload where it says a fraction of the real one."""
     nominal, real = experiment.nominal, experiment.plant.payload
     if nominal.payload_known is None:

@@ -30,11 +30,11 @@ class PlantParts:
     """What a plant is made from besides its section of the experiment.
 
     Attributes:
-        truth: the robot that flies, as it starts.
+        truth: the true robot, as it starts.
         period: control period [ns].
         initial: where it starts.
         seed: of everything random in the plant.
-        changes: (stamp [ns], robot that flies from then on), in order.
+        changes: (stamp [ns], true robot from then on), in order.
         faults: what goes wrong; None: nothing.
     """
 
@@ -53,7 +53,7 @@ class PlantKind:
     Attributes:
         make: (spec, parts) to a new plant.
         check: (spec, true robot, control period [ns]): what ``make`` would refuse, without waiting for a compiler.
-        changes: (spec, true robot, control period [s]): when another robot flies on.
+        changes: (spec, true robot, control period [s]): when the true robot changes.
     """
 
     make: Callable[[Any, PlantParts], Plant]

@@ -57,7 +57,7 @@ class Initial(Strict):
     @model_validator(mode="after")
     def _said_once(self) -> Self:
         if self.joints is not None and self.joints_deg is not None:
-            raise ValueError("say joints or joints_deg, not both")
+            raise ValueError("give joints or joints_deg, not both")
         return self
 
 
@@ -74,7 +74,7 @@ class NominalSpec(ModelSpec):
     @model_validator(mode="after")
     def _one_payload(self) -> Self:
         if self.payload is not None and self.payload_known is not None:
-            raise ValueError("say payload or payload_known, not both")
+            raise ValueError("give payload or payload_known, not both")
         return self
 
 
@@ -89,7 +89,7 @@ class Expectation(Strict):
     @model_validator(mode="after")
     def _can_hold(self) -> Self:
         if self.value is None and self.min is None and self.max is None:
-            raise ValueError("say value, min or max")
+            raise ValueError("give value, min or max")
         if self.min is not None and self.max is not None and self.min > self.max:
             raise ValueError("min must not be above max")
         return self

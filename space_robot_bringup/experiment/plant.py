@@ -37,7 +37,7 @@ class PlantTiming(ModelSpec):
 
 
 class Capture(Strict):
-    """A rigid body that the robot takes in flight, at the velocity of the hand: no impact, and no word to the law."""
+    """A rigid body taken during the run, at the velocity of the hand: no impact, and no notice to the law."""
 
     time: PositiveFloat = Field(description="when it is held from [s], a multiple of the control period")
     payload: Payload
@@ -47,7 +47,7 @@ class PlantSpec(PlantTiming):
     """What the real robot does: the truth. An articulated robot in free space."""
 
     kind: Literal["articulated"] = "articulated"
-    capture: Capture | None = Field(default=None, description="a payload taken in flight")
+    capture: Capture | None = Field(default=None, description="a payload taken during the run")
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     sensors: SensorSpec = Field(default_factory=SensorSpec)
 

@@ -1,4 +1,4 @@
-"""``reference: {kind: recorded, log: PATH}``: what was asked in an earlier run, asked again."""
+"""``reference: {kind: recorded, log: PATH}``: the desired motion of an earlier run."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ class JudgedLog:
         path: the .mcap file.
         header: provenance.
         mode: headless, graph or processes; empty where nothing says it.
-        end_reason: None if the log was cut.
+        end_reason: None if the log was truncated.
         ticks: how many complete ones it has.
         arrays: its complete ticks, stacked; of a long log some, see ``Thinner``.
         experiment: None where the one in the log cannot be read here.
@@ -61,7 +61,7 @@ class JudgedLog:
 
 
 def read_judged(path: StrPath) -> JudgedLog:
-    """Read a log, whole or damaged.
+    """Read a log, whole or corrupted.
 
     Args:
         path: run directory or .mcap file.
@@ -80,7 +80,7 @@ def read_judged(path: StrPath) -> JudgedLog:
         raise LogError(f"no complete tick can be read{why}", key=str(path))
     end_reason = _end_reason(reader, troubles)
     if end_reason is None:
-        troubles.append(f"the log was cut: what is here ends at {arrays.time[-1]:g} s, and why is not known")
+        troubles.append(f"the log was truncated: what is here ends at {arrays.time[-1]:g} s, and why is not known")
     metrics, checks = reading.judged(end_reason or "cut", found)
     return JudgedLog(
         path=reader.path,

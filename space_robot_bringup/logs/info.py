@@ -140,7 +140,7 @@ def bag_info(path: Path, *, full: bool = False) -> BagInfo:
             types.setdefault(item.topic, item.type)
             times.setdefault(item.topic, array("Q")).append(item.time)
     topics = tuple(_topic(name, types[name], stamps) for name, stamps in times.items())
-    provenance, versions, reason, verdict = _ours(bag)
+    provenance, versions, reason, verdict = _own(bag)
     return BagInfo(path, _size(path), topics, provenance, versions, reason, tuple(damage), missing, verdict)
 
 
@@ -187,7 +187,7 @@ def _topic(name: str, ros_type: str, times: Sequence[int]) -> TopicInfo:
     return TopicInfo(name, ros_type, len(times), first, last, rate, int(gaps.size), longest)
 
 
-def _ours(bag: Bag) -> tuple[dict[str, str], dict[str, str], str | None, Verdict]:
+def _own(bag: Bag) -> tuple[dict[str, str], dict[str, str], str | None, Verdict]:
     """What only a log of this project says about itself."""
     provenance, versions, found = _provenance(bag)
     if isinstance(found, Verdict):

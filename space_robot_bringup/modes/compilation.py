@@ -13,12 +13,12 @@ PLANT_SECONDS, LAW_SECONDS = 20, 15
 
 
 def laws_to_compile(laws: Iterable[str], policy: LawPolicy = TYPED) -> list[str]:
-    """The laws that have to be compiled before they can fly, each once, in order."""
+    """The laws that have to be compiled before they can run, each once, in order."""
     return [name for name in dict.fromkeys(laws) if _must_compile(name, policy)]
 
 
 def must_compile(laws: Iterable[str], *, plant: bool = True) -> bool:
-    """True if something of such runs has to be compiled before it can fly."""
+    """True if something of such runs has to be compiled first."""
     return (plant and plant_must_compile()) or bool(laws_to_compile(laws))
 
 

@@ -13,7 +13,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from space_robot_msgs_py.errors import SpecError
 
-LARGEST_DOMAIN = 232
+MAX_DOMAIN = 232
 
 
 @contextmanager
@@ -67,6 +67,6 @@ def reserved_domain() -> Iterator[int]:
 
 def domain_number(text: str) -> int:
     """A ROS domain id, checked."""
-    if not text.isdecimal() or int(text) > LARGEST_DOMAIN:
-        raise SpecError("not a domain", key="ROS_DOMAIN_ID", value=text, accepted=f"0 to {LARGEST_DOMAIN}")
+    if not text.isdecimal() or int(text) > MAX_DOMAIN:
+        raise SpecError("not a domain", key="ROS_DOMAIN_ID", value=text, accepted=f"0 to {MAX_DOMAIN}")
     return int(text)

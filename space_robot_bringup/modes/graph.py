@@ -123,8 +123,8 @@ def _destroy(nodes: Iterable[GraphNode]) -> None:
         node.destroy_node()
 
 
-def fly_graph(composition: Composition, directory: Path | RunDirectory, *, realtime: float | None, hooks: Hooks) -> str:
-    """Fly one run in graph mode and return the reason of its end."""
+def run_graph(composition: Composition, directory: Path | RunDirectory, *, realtime: float | None, hooks: Hooks) -> str:
+    """Execute a run in graph mode and return the reason of its end."""
     with private_context() as context:
         graph = make_graph(composition, directory, context=context, realtime=realtime)
         try:
@@ -136,7 +136,7 @@ def fly_graph(composition: Composition, directory: Path | RunDirectory, *, realt
 
 
 def spin_graph(graph: Graph, context: Context, hooks: Hooks) -> str:
-    """Spin until the run ends by itself or ``hooks.stop`` ends it; everything in flight is recorded first."""
+    """Spin until the run ends by itself or ``hooks.stop`` ends it; everything under way is recorded first."""
     executor = make_executor(context)
     for node in graph.nodes:
         executor.add_node(node)

@@ -26,7 +26,7 @@ def run(
     stop: Callable[[], str | None] = lambda: None,
     on_failure: Callable[[BaseException], None] = lambda error: None,
 ) -> str:
-    """Fly ``steps`` control periods and record ticks 0..steps.
+    """Run ``steps`` control periods and record ticks 0..steps.
 
     Every state is answered, the last one too (its command acts on nothing), so that all modes log the same.
 
@@ -38,7 +38,7 @@ def run(
         sink: takes every tick; it is closed with the reason of the end, whatever happens.
         on_tick: called with each finished tick.
         stop: asked before each tick; a reason ends the run.
-        on_failure: told the error of a law, plant, reference or sink that ended the run.
+        on_failure: called with the error of a law, plant, reference or sink that ended the run.
 
     Returns:
         The reason of the end: ``completed``, what ``stop`` said, or the error of plant, controller or log, by the names
@@ -114,12 +114,12 @@ def _closed(sink: Sink, reason: str, on_failure: Callable[[BaseException], None]
 
 
 def fly_in_memory(composition: Composition, hooks: Hooks | None = None) -> MemorySink:
-    """Fly a composition in the headless mode; the sink has its ticks and the reason of its end.
+    """Run a composition in the headless mode; the sink has its ticks and the reason of its end.
 
-    Writing and reading a log takes three times as long as the flight.
+    Writing and reading a log takes three times as long as the run.
 
     Raises:
-        SpaceRobotError: plant, law or reference cannot be made; nothing was flown.
+        SpaceRobotError: plant, law or reference cannot be made; nothing was run.
         Exception: what the law raised, where no law should.
     """
     hooks, sink = hooks or Hooks(), MemorySink()

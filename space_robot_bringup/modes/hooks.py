@@ -31,7 +31,7 @@ class Hooks:
 
 
 class Stopwatch:
-    """Times a flight from its first to its last tick, so that imports, compilation and discovery are not counted.
+    """Times a run from its first to its last tick, so that imports, compilation and discovery are not counted.
 
     Args:
         hooks: whom to pass everything on to.

@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from space_robot_bringup.modes.hooks import Hooks
 
 POLL_SECONDS = 0.05
-# What a process that was told to end may take; the recorder may take longer, once it has a log to close.
+# What a process that was ordered to end may take; the recorder may take longer, once it has a log to close.
 END_SECONDS = 1.0
 RECORDER = "recorder"
 
 
-def fly_processes(
+def run_processes(
     composition: Composition,
     directory: Path | RunDirectory,
     *,
@@ -38,7 +38,7 @@ def fly_processes(
     hooks: Hooks,
     late: Mapping[str, float] | None = None,
 ) -> str:
-    """Fly one run with one process per node and return the reason of its end.
+    """Execute a run with one process per node and return the reason of its end.
 
     Args:
         composition: checked experiment; the children get its resolved form, not the file it came from.
@@ -52,16 +52,16 @@ def fly_processes(
     """
     if not isinstance(directory, RunDirectory):
         with RunDirectory(directory) as place:
-            return fly_processes(composition, place, realtime=realtime, hooks=hooks, late=late)
+            return run_processes(composition, place, realtime=realtime, hooks=hooks, late=late)
     # A file without a name: however this process ends, nothing of it stays.
     with tempfile.TemporaryFile(prefix="space-robot-") as experiment, reserved_domain() as domain:
         experiment.write(composition.header.experiment.encode())
         experiment.flush()
-        crew = _Crew(directory, _arguments(realtime, hooks), experiment.fileno(), domain, late or {})
+        children = _NodeProcesses(directory, _arguments(realtime, hooks), experiment.fileno(), domain, late or {})
         try:
-            return crew.watch(hooks)
+            return children.watch(hooks)
         finally:
-            crew.end()
+            children.end()
 
 
 def _arguments(realtime: float | None, hooks: Hooks) -> list[str]:
@@ -69,7 +69,7 @@ def _arguments(realtime: float | None, hooks: Hooks) -> list[str]:
     return [*paced, *(["--debug"] if hooks.debug else [])]
 
 
-class _Crew:
+class _NodeProcesses:
     """The child processes of one run.
 
     Args:
@@ -77,7 +77,7 @@ class _Crew:
         arguments: of every child.
         experiment: descriptor of a file with the resolved experiment.
         domain: of the run.
-        late: see ``fly_processes``.
+        late: see ``run_processes``.
     """
 
     def __init__(

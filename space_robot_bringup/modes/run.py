@@ -59,10 +59,10 @@ def run_experiment(
     hooks: Hooks | None = None,
     policy: LawPolicy = TYPED,
 ) -> RunResult:
-    """Fly an experiment, log it and judge it from the log.
+    """Run an experiment, log it and judge it from the log.
 
     Args:
-        experiment: what to fly.
+        experiment: what to run.
         directory: where the bag goes.
         mode: how the objects are put together; it changes no bit of the log.
         realtime: simulated seconds per second; None: as fast as it goes. Not for headless.
@@ -70,7 +70,7 @@ def run_experiment(
         policy: whose code may be its laws.
 
     Raises:
-        SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was flown.
+        SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was run.
     """
     check_pace(mode, realtime)
     return run_composition(compose(experiment, policy), directory, mode=mode, realtime=realtime, hooks=hooks)
@@ -98,14 +98,14 @@ def run_composition(
     realtime: float | None = None,
     hooks: Hooks | None = None,
 ) -> RunResult:
-    """Fly what an experiment was composed to; everything else as ``run_experiment``."""
+    """Run a composed experiment; everything else as ``run_experiment``."""
     hooks = hooks or Hooks()
     for warning in composition.review().warnings:
         hooks.warn(warning)
     stopwatch = Stopwatch(hooks)
     # Locked until it is judged: what is judged is what was written.
     with RunDirectory(Path(directory)) as place:
-        reason = _fly(composition, place, mode, realtime, stopwatch.hooks)
+        reason = _execute(composition, place, mode, realtime, stopwatch.hooks)
         if not place.holds_path() and reason == "completed":
             reason = f"recorder: {place.bag}: {GONE}"
         hooks.on_end(reason)
@@ -117,7 +117,7 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
 
     Args:
         directory: of the run.
-        composition: that was flown.
+        composition: of the run.
         reason: of the end, as the run said it; the log's own counts where it has one.
         wall_time: [s].
     """
@@ -162,7 +162,9 @@ class Lacks:
         return f"has no {', no '.join(absent)}" if absent else ""
 
 
-def _fly(composition: Composition, directory: RunDirectory, mode: Mode, realtime: float | None, hooks: Hooks) -> str:
+def _execute(
+    composition: Composition, directory: RunDirectory, mode: Mode, realtime: float | None, hooks: Hooks
+) -> str:
     if mode == "headless":
         # The log last: what cannot be made leaves none behind.
         plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
@@ -179,8 +181,8 @@ def _fly(composition: Composition, directory: RunDirectory, mode: Mode, realtime
         )
     try:
         # Only here: everything else works on a machine without ROS.
-        from space_robot_bringup.modes.graph import fly_graph
-        from space_robot_bringup.modes.processes import fly_processes
+        from space_robot_bringup.modes.graph import run_graph
+        from space_robot_bringup.modes.processes import run_processes
     except ImportError as error:
         raise SpecError(
             f"needs ROS 2 Jazzy ({error})",
@@ -188,5 +190,5 @@ def _fly(composition: Composition, directory: RunDirectory, mode: Mode, realtime
             value=mode,
             accepted="headless, or install space-robot[ros], or source a Jazzy",
         ) from None
-    fly = fly_graph if mode == "graph" else fly_processes
-    return fly(composition, directory, realtime=realtime, hooks=hooks)
+    start = run_graph if mode == "graph" else run_processes
+    return start(composition, directory, realtime=realtime, hooks=hooks)

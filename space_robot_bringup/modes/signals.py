@@ -70,8 +70,8 @@ class RunStop(StopFlag):
 
     Args:
         signals: as of a StopFlag; of the main thread, as everything here.
-        timeout: the reason is ``timeout`` after so many seconds of CPU time of this process, or when ``reach`` is told
-            of no new tick for so many seconds; None: no limit.
+        timeout: the reason is ``timeout`` after so many seconds of CPU time of this process, or when ``reach`` is
+            called with no new tick for so many seconds; None: no limit.
     """
 
     def __init__(self, *signals: signal.Signals, timeout: float | None = None) -> None:

@@ -1,7 +1,7 @@
 """The line between the process that started a run and each of its nodes: orders one way, news the other.
 
-It is a pair of sockets of its own, which keep packets whole: what a law or the middleware prints on stdout is nobody's
-message. Its end is news, too: the operating system closes it when a process dies, whatever it dies of.
+It is a pair of sockets of its own, which keep packets whole: what a law or the middleware prints on stdout is not taken
+for a message. Its end is news, too: the operating system closes it when a process dies, whatever it dies of.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import Any
 
 PARENT_DIED = "parent: its process ended"
 DEATH = json.dumps({"end": PARENT_DIED, "hurry": True}).encode()
-LONGEST_PACKET, LONGEST_TEXT = 1 << 16, 1000
-# A child that was told to end and does not get there is stuck in a law; nobody waits for it any longer.
+MAX_PACKET, MAX_TEXT = 1 << 16, 1000
+# A child that was ordered to end and does not get there is stuck in a law; nothing waits for it any longer.
 CHILD_GRACE_SECONDS = 1.5
 CLOSING_SECONDS = 60.0
 
@@ -47,7 +47,7 @@ class ParentEnd:
     def news(self) -> dict[str, Any] | None:
         """What the child has said next; None: it is gone."""
         try:
-            packet = self._socket.recv(LONGEST_PACKET)
+            packet = self._socket.recv(MAX_PACKET)
         except BlockingIOError:
             return {}
         except OSError:
@@ -63,11 +63,11 @@ class ChildEnd:
     """The end of a tether in a node's process.
 
     Args:
-        descriptor: inherited from the parent; None: there is none, and nothing is said to anybody.
-        on_order: told the reason to end, by a thread: what the parent says, or that it died.
+        descriptor: inherited from the parent; None: there is none, and nothing is sent.
+        on_order: called with the reason to end, by a thread: what the parent says, or that it died.
 
     Attributes:
-        grace: how long the process may take to end once it was told [s].
+        grace: how long the process may take to end once it was ordered to [s].
         hurry: there is nothing to wait for: a process of the run died, or the log is closed.
     """
 
@@ -97,7 +97,7 @@ class ChildEnd:
 
     def _next_order(self, line: socket.socket) -> dict[str, Any]:
         try:
-            order = _message(line.recv(LONGEST_PACKET) or DEATH)
+            order = _message(line.recv(MAX_PACKET) or DEATH)
         except OSError:
             order = _message(DEATH)
         self.hurry = bool(order["hurry"])
@@ -106,8 +106,8 @@ class ChildEnd:
 
 def _packet(message: dict[str, Any]) -> bytes:
     packet = json.dumps(message).encode()
-    if len(packet) > LONGEST_PACKET:
-        packet = json.dumps({key: str(value)[:LONGEST_TEXT] for key, value in message.items()}).encode()
+    if len(packet) > MAX_PACKET:
+        packet = json.dumps({key: str(value)[:MAX_TEXT] for key, value in message.items()}).encode()
     return packet
 
 

@@ -12,7 +12,7 @@ from space_robot_bringup.public.result import Run
 from space_robot_bringup.replay import replay as command
 from space_robot_bringup.replay.comparison import Tolerance
 from space_robot_bringup.replay.recording import Code
-from space_robot_bringup.replay.replay import Order, Replayed
+from space_robot_bringup.replay.replay import Replayed, ReplayOptions
 from space_robot_msgs_py.paths import StrPath
 
 
@@ -51,8 +51,10 @@ def replay(
         SpaceRobotError: the log or an argument cannot be used.
     """
     code = Code(_texts(law), allow_code or isinstance(log, Run))
-    order = Order(against, Tolerance(rtol, atol, _texts(ignore)), overrides or (), experiment, namespace, code)
-    return command.replay(Path(log), order)
+    options = ReplayOptions(
+        against, Tolerance(rtol, atol, _texts(ignore)), overrides or (), experiment, namespace, code
+    )
+    return command.replay(Path(log), options)
 
 
 def _texts(value: str | Sequence[str]) -> tuple[str, ...]:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 
-from space_robot_bringup.replay.comparison import Comparison, Tolerance
-from space_robot_bringup.replay.controller_events import happen
+from space_robot_bringup.replay.comparison import Tolerance
+from space_robot_bringup.replay.controller_events import apply_event
 from space_robot_bringup.replay.recording import Recording, other_code
-from space_robot_bringup.replay.result import Outcome, absent_topics
-from space_robot_msgs_py.codec.codecs import TickCodec, decode_events, decode_statuses
+from space_robot_bringup.replay.result import Outcome
+from space_robot_bringup.replay.side import SideReplay
+from space_robot_msgs_py.codec.codecs import decode_events, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent, said
+from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent, DiagnosticEvent, said
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, EVENTS, topics_of
 
@@ -28,25 +28,18 @@ def replay_controller(recording: Recording, tolerance: Tolerance) -> Outcome:
     Raises:
         LogError: there is nothing to compare.
     """
-    return _Replay(recording, tolerance).run()
+    return _ControllerReplay(recording, tolerance).run()
 
 
-class _Replay:
+class _ControllerReplay(SideReplay):
     def __init__(self, recording: Recording, tolerance: Tolerance) -> None:
-        self._recording, self._tolerance = recording, tolerance
-        composition = recording.composition
-        self._period = composition.experiment.period
-        self._codec = TickCodec(composition.joint_names)
-        self._comparison = Comparison(composition.joint_names, tolerance)
-        self._law = composition.controller()
+        super().__init__(recording, tolerance)
+        self._law = self._composition.controller()
         self._code = other_code(recording)
-        self._source: ReferenceSource = composition.reference()
-        self._notes: Counter[str] = Counter()
-        self._ended = recording.end_reason or ""
+        self._source: ReferenceSource = self._composition.reference()
         # Where the recorded law gave up, the state it had no answer to is the last one.
         failed = self._ended.startswith(FAILED)
         self._final = max((stamp for stamp, _ in recording.rows()), default=-1) if failed else -1
-        self._ticks, self._last = 0, -1
 
     def run(self) -> Outcome:
         self._law.reset()
@@ -63,9 +56,7 @@ class _Replay:
                 key=str(self._recording.path),
                 accepted=f"{missing}; see info and recover",
             )
-        remarks = [*self._code, *(f"{count} {what}" for what, count in self._notes.items()), *([stop] if stop else [])]
-        absent = absent_topics(comparison, _ANSWERS, self._tolerance.ignore)
-        return Outcome("controller", comparison, self._ticks, self._last, absent, tuple(remarks))
+        return self._outcome("controller", _ANSWERS, stop, self._code)
 
     def _tick(self, stamp: int, parts: Mapping[str, bytes]) -> str:
         """Answer one state; returns why nothing more can be compared, or nothing."""
@@ -84,7 +75,7 @@ class _Replay:
             self._notes["states have no recorded answer and were not compared"] += 1
             return ""
         self._ticks += 1
-        self._happen(parts)
+        self._apply_events(parts)
         try:
             output = self._law.update(state, reference)
         except SpaceRobotError as error:
@@ -109,18 +100,18 @@ class _Replay:
             self._notes[f"recorded events cannot be read ({error})"] += 1
             return ()
 
-    def _happen(self, parts: Mapping[str, bytes]) -> None:
-        """Do to the fresh law what was done to the recorded one in flight; it tells of it by itself."""
+    def _apply_events(self, parts: Mapping[str, bytes]) -> None:
+        """Apply the recorded events to the fresh law; it reports them itself."""
         for event in self._events(parts):
             try:
-                happen(self._law, event)
+                apply_event(self._law, event)
             except SpaceRobotError as error:
-                self._notes[f"recorded changes in flight do not fit ({error})"] += 1
+                self._notes[f"recorded changes during the run do not fit ({error})"] += 1
 
     def _events(self, parts: Mapping[str, bytes]) -> tuple[ControllerEvent, ...]:
         raw = parts.get(CONTROLLER_EVENTS.name)
         try:
-            return () if raw is None else decode_events(raw)
+            return () if raw is None else tuple(one for one in decode_events(raw) if one.kind != PUBLISHERS)
         except SpaceRobotError as error:
             self._notes[f"recorded events cannot be read ({error})"] += 1
             return ()

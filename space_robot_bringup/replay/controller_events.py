@@ -1,4 +1,4 @@
-"""What was done to a controller in flight, done again to a fresh one."""
+"""Applies recorded parameter changes and switches to a fresh controller."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
 
 
-def happen(law: Law, event: ControllerEvent) -> None:
+def apply_event(law: Law, event: ControllerEvent) -> None:
     """Change a law as an event says it was changed; the law tells of it in its next output.
 
     Args:
@@ -22,6 +22,8 @@ def happen(law: Law, event: ControllerEvent) -> None:
         SpecError: this law cannot be changed so.
     """
     content = event.content
+    if event.kind == PUBLISHERS:
+        return
     if event.kind == "parameters" and isinstance(content.get("values"), dict):
         law.tune(content["values"])
     elif event.kind == "switch" and isinstance(law, Switching):
@@ -51,5 +53,5 @@ class Repeated:
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer one state, changed as the events of its stamp say."""
         for event in self._events.get(state.stamp, ()):
-            happen(self._law, event)
+            apply_event(self._law, event)
         return self._law.update(state, reference)

@@ -1,4 +1,4 @@
-"""Bags of other tools: our topics out of them, by stamp, in the canonical bytes everything else expects."""
+"""Bags of other tools: the project's topics out of them, by stamp, in the canonical bytes everything else expects."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from space_robot_msgs_py.log.bag import Bag, intact
 from space_robot_msgs_py.topics import BASE_ODOM, Topic
 
 # Beyond, a stamp is no time of a run but one since 1970; telemetry cannot hold it either.
-LONGEST_RUN = 1 << 53
+MAX_STAMP = 1 << 53
 
 
 def foreign_rows(bag: Bag, joint_names: Sequence[str], namespace: str = "") -> tuple[list[Row], list[str]]:
@@ -21,12 +21,12 @@ def foreign_rows(bag: Bag, joint_names: Sequence[str], namespace: str = "") -> t
     Messages belong together by the stamps in them, in whatever order they were recorded.
 
     Args:
-        bag: of our topics; others in it are not looked at.
+        bag: with topics of the project; others in it are not looked at.
         joint_names: the robot's joints in model order.
         namespace: in front of the topics.
 
     Raises:
-        LogError: none of our topics is in it, or it is damaged in its middle.
+        LogError: no topic of the project is in it, or it is corrupted in its middle.
     """
     names = {_absolute(topic, namespace): topic for topic in LOGGED}
     table: dict[int, dict[str, bytes]] = {}
@@ -49,7 +49,7 @@ def foreign_rows(bag: Bag, joint_names: Sequence[str], namespace: str = "") -> t
     if not table:
         raise _nothing(bag, namespace, seen)
     rows = sorted(table.items())
-    if rows[-1][0] >= LONGEST_RUN:
+    if rows[-1][0] >= MAX_STAMP:
         accepted = "ns since the start of the run"
         raise LogError("its stamps are no times of a run", key=str(bag.path), value=rows[-1][0], accepted=accepted)
     remarks = [f"{count} messages on {name} cannot be read ({why})" for name, count in refused.items()]

@@ -1,4 +1,4 @@
-"""Reference bags made new: the same experiment flown again, the bag replaced only when the flight is on the disk."""
+"""Reference bags made new: the same experiment run again, the bag replaced only when the new one is on the disk."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from space_robot_msgs_py.topics import CONTROLLER_EVENTS
 _HEADLESS = {"mode": "headless"}
 
 
-def refly(recording: Recording) -> bool:
+def update_reference(recording: Recording) -> bool:
     """Run the experiment of a log again, headless, and put the new bag in its place.
 
     Args:
@@ -40,7 +40,7 @@ def refly(recording: Recording) -> bool:
             parts = composition.plant(), controller, composition.reference()
             reason = headless.run(*parts, steps=composition.experiment.steps, sink=sink)
             if reason not in ("completed", recording.end_reason):
-                raise LogError(f"the new flight ends otherwise: {reason}", key=str(old), accepted="the old bag stays")
+                raise LogError(f"the new run ends otherwise: {reason}", key=str(old), accepted="the old bag stays")
             return _replace(old, sink.writer.path)
     except LogError:
         raise
@@ -49,7 +49,7 @@ def refly(recording: Recording) -> bool:
 
 
 def _events(recording: Recording) -> dict[int, tuple[ControllerEvent, ...]]:
-    """What was changed in flight belongs to the run, and happens in the new one too."""
+    """Recorded changes belong to the run, and are applied in the new one too."""
     rows = ((stamp, parts.get(CONTROLLER_EVENTS.name)) for stamp, parts in recording.rows())
     return {stamp: decode_events(raw) for stamp, raw in rows if raw is not None}
 
@@ -58,7 +58,7 @@ def _bag_file(recording: Recording) -> Path:
     files = Bag(recording.path).files
     if recording.foreign or len(files) != 1 or not files[0].name.endswith(BAG_SUFFIX):
         accepted = f"a run log, <name>{BAG_SUFFIX} in its run directory"
-        raise LogError("is no reference that could be flown again", key=str(recording.path), accepted=accepted)
+        raise LogError("is no reference that could be run again", key=str(recording.path), accepted=accepted)
     return files[0].resolve()
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
-from space_robot_bringup.replay.comparison import Comparison, Tolerance
+from space_robot_bringup.replay.comparison import Tolerance
 from space_robot_bringup.replay.recording import Recording
-from space_robot_bringup.replay.result import Outcome, absent_topics
+from space_robot_bringup.replay.result import Outcome
+from space_robot_bringup.replay.side import SideReplay
 from space_robot_msgs_py.codec.codecs import TickCodec, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import DiagnosticEvent, said
@@ -23,7 +23,7 @@ ACTED = "command_stamp"
 
 
 def replay_plant(recording: Recording, tolerance: Tolerance) -> Outcome:
-    """Fly a fresh plant from its initial state by the recorded commands and compare what it shows.
+    """Run a fresh plant from its initial state by the recorded commands and compare what it shows.
 
     A command acts when the log says it did (``command_stamp`` of the plant's telemetry), which matters in paced runs;
     in a bag without that, when its stamp says.
@@ -31,23 +31,17 @@ def replay_plant(recording: Recording, tolerance: Tolerance) -> Outcome:
     Raises:
         LogError: there is nothing to compare.
     """
-    return _Replay(recording, tolerance).run()
+    return _PlantReplay(recording, tolerance).run()
 
 
-class _Replay:
+class _PlantReplay(SideReplay):
     def __init__(self, recording: Recording, tolerance: Tolerance) -> None:
-        self._recording, self._tolerance = recording, tolerance
-        composition = recording.composition
-        self._period = composition.experiment.period
-        self._delay = composition.experiment.plant.delay_periods
-        self._codec = TickCodec(composition.joint_names)
-        self._comparison = Comparison(composition.joint_names, tolerance)
-        self._plant = composition.plant()
+        super().__init__(recording, tolerance)
+        self._delay = self._composition.experiment.plant.delay_periods
+        self._plant = self._composition.plant()
         self._commands: dict[int, Command] = {}
         self._acted: dict[int, int] = {}
         self._judged: dict[int, DiagnosticEvent] = {}
-        self._notes: Counter[str] = Counter()
-        self._ticks, self._last = 0, -1
 
     def run(self) -> Outcome:
         rows = [row for row in self._recording.rows() if BASE_ODOM.name in row[1]]
@@ -56,12 +50,10 @@ class _Replay:
             needed = ", ".join(topic.name for topic in (*topics_of("state"), *topics_of("command")))
             accepted = f"{needed} from stamp 0 on"
             raise LogError("nothing to compare with a plant", key=str(self._recording.path), accepted=accepted)
-        stop = self._fly(rows)
-        remarks = [f"{count} {what}" for what, count in self._notes.items()] + ([stop] if stop else [])
-        absent = absent_topics(self._comparison, _SHOWN, self._tolerance.ignore)
-        return Outcome("plant", self._comparison, self._ticks, self._last, absent, tuple(remarks))
+        stop = self._step_through(rows)
+        return self._outcome("plant", _SHOWN, stop)
 
-    def _fly(self, rows: list[Row]) -> str:
+    def _step_through(self, rows: list[Row]) -> str:
         """Compare row by row; returns why not to the end, or nothing."""
         self._show(rows[0], self._plant.reset())
         for (stamp, _), following in pairwise(rows):
@@ -94,14 +86,13 @@ class _Replay:
 
     def _end(self, stamp: int) -> str:
         """A recorded plant that gave up after the last state has to give up again, for the same reason."""
-        ended = self._recording.end_reason or ""
-        if ended.startswith(FAILED):
+        if self._ended.startswith(FAILED):
             try:
                 self._plant.step(self._command(stamp))
             except SpaceRobotError as error:
-                self._comparison.event("state", stamp + self._period, "state", ended, f"{FAILED}{error}")
+                self._comparison.event("state", stamp + self._period, "state", self._ended, f"{FAILED}{error}")
             else:
-                self._comparison.event("state", stamp + self._period, "state", ended, "a state")
+                self._comparison.event("state", stamp + self._period, "state", self._ended, "a state")
         return ""
 
     def _learn(self, rows: list[Row]) -> None:
@@ -129,7 +120,7 @@ class _Replay:
             return self._commands.get(int(given)) if given.isdecimal() else None
         acted = self._acted.get(stamp + (1 + self._delay) * self._period, stamp)
         if acted != stamp:
-            self._notes["periods were flown with an older command, or none"] += 1
+            self._notes["periods were run with an older command, or none"] += 1
         found = self._commands.get(acted)
         if found is None and acted >= 0 and acted != stamp:
             self._notes["commands that acted are not in the log"] += 1

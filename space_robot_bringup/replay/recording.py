@@ -40,7 +40,7 @@ class Recording:
         path: as given.
         composition: of the recorded experiment with what was overridden.
         rows: gives stamp [ns] and canonical messages by topic name of every stamp, in order.
-        end_reason: why the run ended; None: the log was cut, or is another tool's.
+        end_reason: why the run ended; None: the log was truncated, or is another tool's.
         changes: dotted key to (recorded, now) of the configuration.
         versions: package to (recorded, here) where they differ.
         remarks: what a reader should know about the bag.

@@ -20,7 +20,7 @@ SIDES = {"controller": (replay_controller,), "plant": (replay_plant,), "both": (
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class ReplayOptions:
     """What to replay and how.
 
     Attributes:
@@ -62,23 +62,23 @@ class Replayed:
         return all(outcome.equal for outcome in self.outcomes)
 
 
-def replay(bag: Path, order: Order, say: Callable[[str], None] = lambda line: None) -> Replayed:
+def replay(bag: Path, options: ReplayOptions, on_notice: Callable[[str], None] = lambda line: None) -> Replayed:
     """Compute one recorded run again.
 
     Args:
         bag: of any tool.
-        order: what to do with it.
-        say: told what has to be compiled first, which takes a while.
+        options: what to do with it.
+        on_notice: called with what has to be compiled first, which takes a while.
 
     Raises:
-        SpaceRobotError: the bag or the order cannot be used.
+        SpaceRobotError: the bag or an option cannot be used.
     """
     recording = open_recording(
-        bag, experiment=order.experiment, overrides=order.overrides, namespace=order.namespace, code=order.code
+        bag, experiment=options.experiment, overrides=options.overrides, namespace=options.namespace, code=options.code
     )
-    composition, plant = recording.composition, order.against != "controller"
+    composition, plant = recording.composition, options.against != "controller"
     # Of a plant alone no law is made.
-    laws = composition.experiment.controller if order.against != "plant" else None
+    laws = composition.experiment.controller if options.against != "plant" else None
     if line := notice(laws.law_names if laws else (), plant=plant, policy=composition.policy):
-        say(line)
-    return Replayed(recording, tuple(side(recording, order.tolerance) for side in SIDES[order.against]))
+        on_notice(line)
+    return Replayed(recording, tuple(side(recording, options.tolerance) for side in SIDES[options.against]))

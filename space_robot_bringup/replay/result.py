@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -42,6 +43,6 @@ class Outcome:
         return self.comparison.first
 
 
-def absent_topics(comparison: Comparison, topics: tuple[Topic, ...], ignored: tuple[str, ...]) -> tuple[str, ...]:
+def absent_topics(comparison: Comparison, topics: Sequence[Topic], ignored: Sequence[str]) -> tuple[str, ...]:
     """Topics of which nothing was compared although they were not ignored."""
     return tuple(topic.name for topic in topics if topic.name not in ignored and not comparison.compared[topic.name])

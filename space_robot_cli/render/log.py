@@ -30,7 +30,7 @@ def print_info(console: Console, info: BagInfo) -> None:
     if info.by_index:
         _say(console, "by its index: gaps and damage were not looked for, --full does", "yellow")
     if info.provenance:
-        _say(console, f"ended: {info.end_reason or 'the log was cut before its end'}")
+        _say(console, f"ended: {info.end_reason or 'the log was truncated'}")
     for check in info.verdict.checks:
         if not check.passed:
             measured = "none" if check.measured is None else f"{check.measured:g}"

@@ -52,7 +52,7 @@ def _troubles(console: Console, figure: Data) -> None:
     warned = [run for run in figure["runs"] if run["warnings"]]
     if warned:
         first = f"{warned[0]['label']}: {warned[0]['warnings'][0]}"
-        line = f"  warned of {len(warned)} of {len(figure['runs'])} runs before their flight, first {first}"
+        line = f"  warned of {len(warned)} of {len(figure['runs'])} runs before their run, first {first}"
         console.print(line, style="yellow", markup=False, soft_wrap=True)
     for run in figure["runs"]:
         if run["label"] in figure["failed"]:

@@ -34,7 +34,7 @@ class LawPolicy:
         return self.given.get(name, said)
 
     def check(self, path: str, key: str) -> None:
-        """Refuse code that nobody typed.
+        """Refuse code that was not named on the command line.
 
         Raises:
             CodeError: with what would allow it.
@@ -46,5 +46,5 @@ class LawPolicy:
 
 # For an experiment that the user runs: it may name code.
 TYPED = LawPolicy(any_code=True)
-# For an experiment out of a log or out of the directory of a campaign: somebody else may have made it.
+# For an experiment out of a log or out of the directory of a campaign, which may come from a third party.
 INSTALLED = LawPolicy()

@@ -43,7 +43,7 @@ class Switching(Law):
     Raises:
         SpecError: fewer than two laws, or a switch to a law that is not there.
 
-    Deviations from the paper: there is no paper, the fading bump is ours. Bumpless transfer in general: Zaccarian
+    Deviations from the paper: there is no paper, the fading bump is added. Bumpless transfer in general: Zaccarian
     and Teel, "A common framework for anti-windup, bumpless transfer and reliable designs", Automatica 38(10), 2002.
     """
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from time import perf_counter
 from typing import Any
 
@@ -22,12 +22,14 @@ from space_robot_msgs_py.codec.codecs import (
     encode_events,
     encode_statuses,
 )
+from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
+from space_robot_msgs_py.codec.values import Blocks, all_finite
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState
 from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
-from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, EVENTS, Topic
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, EVENTS, WRENCH_COMMAND, Topic
 
 JOIN_CAPACITY = 1024
 HEARING_SECONDS = 5.0
@@ -41,7 +43,9 @@ class ControllerNode(ManagedNode):
     ``active_law`` let another law take over.
 
     Deactivated it does not answer: a lock-step run stands still, a paced one goes on in the plant's hold. Activated
-    again it answers the state that waits; if states passed without a command meanwhile, the law is reset.
+    again it answers the state that waits; if states passed without a command meanwhile, the law is reset. States are
+    heard as long as the node lives; configured anew in a run it begins with a new law, and keeps the gains that were
+    tuned.
 
     Args:
         make_law: builds the law, each time the node is configured.
@@ -65,27 +69,48 @@ class ControllerNode(ManagedNode):
         self._state = StateCodec(joint_names)
         self._reference = ReferenceCodec(joint_names)
         self._command = CommandCodec(joint_names)
+        self._marks = SenderMark(self._command.layouts)
         self._telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
-        self.malformed = 0
-
-    def configure(self) -> None:
-        """Build the law and listen; states that come before it is activated wait."""
-        self._law = self._make_law()
-        self._law.reset()
-        self._health = ControllerHealth(self, self._law)
-        self.parameters.declare(self._law.parameters())
+        self._tuned: list[dict[str, Any]] = []
         self._last_stamp, self._passed_by = -1, False
         self._waiting: tuple[RobotState, Reference] | None = None
+        self._inputs = (*self._state.topics, *self._reference.topics)
+        self._joiner: StampJoiner[Blocks] = StampJoiner(
+            len(self._inputs), JOIN_CAPACITY, once=False, choose=self._choose
+        )
+        for index, topic in enumerate(self._inputs):
+            self._listen_part(index, topic)
+        self.keep()
+
+    @property
+    def begun(self) -> bool:
+        """True when a state was heard."""
+        return self._last_stamp >= 0 or self._waiting is not None
+
+    @property
+    def malformed(self) -> int:
+        """How many messages were refused because they are no state or reference."""
+        return sum(self.refusals[topic.name] for topic in self._inputs)
+
+    def configure(self) -> None:
+        """Build the law; states that come before it is activated wait."""
+        self._law = self._make_law()
+        self._law.reset()
+        for changes in self._tuned:
+            self._law.tune(changes)
+        # A new law knows nothing of the states before.
+        self._passed_by = self._last_stamp >= 0
+        self._health = ControllerHealth(self, self._law)
+        self.parameters.declare(self._law.parameters())
+        before = self.publishers_by_mark(WRENCH_COMMAND)
         self._command_publishers = [self.publisher(topic) for topic in self._command.topics]
+        mine = self.publishers_by_mark(WRENCH_COMMAND).keys() - before.keys()
+        self._mark = mine.pop() if len(mine) == 1 else UNMARKED
         self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
         self._event_publisher = self.publisher(CONTROLLER_EVENTS)
         self._supervision_publisher = self.publisher(EVENTS) if self._supervised else None
         if isinstance(self._law, Switching):
             self.create_service(Trigger, "~/switch", self._on_switch)
-        inputs = (*self._state.topics, *self._reference.topics)
-        self._joiner: StampJoiner[bytes] = StampJoiner(len(inputs), JOIN_CAPACITY, once=False)
-        for index, topic in enumerate(inputs):
-            self._listen_part(index, topic)
 
     def activate(self) -> None:
         """Answer the newest state that waits."""
@@ -105,34 +130,50 @@ class ControllerNode(ManagedNode):
         Raises:
             SpecError: the law does not accept it.
         """
-        self._law.tune({key: parse_yaml_value(v, key) if isinstance(v, str) else v for key, v in changes.items()})
+        changes = {key: parse_yaml_value(v, key) if isinstance(v, str) else v for key, v in changes.items()}
+        self._law.tune(changes)
+        gains = {key: value for key, value in changes.items() if key != ACTIVE}
+        self._tuned = [one for one in self._tuned if one.keys() != gains.keys()] + [gains] * bool(gains)
 
     def _listen_part(self, index: int, topic: Topic) -> None:
+        split = len(self._state.topics)
+        codec, part = (self._state, index) if index < split else (self._reference, index - split)
+
         def on_part(raw: bytes) -> None:
             try:
-                joined = self._joiner.add(index, self._peek(index, raw), raw)
-                values = None if joined is None else self._decode(joined)
+                # Checked alone: a part that does not fit must not take those of its stamp down with it.
+                codec.peek(part, raw)
+                stamp, blocks = codec.decode_part(part, raw)
             except SpaceRobotError as error:
-                self._refuse(topic, error)
+                self.refuse(topic, error)
                 return
-            if values is not None:
-                self._take_in(*values)
+            joined = self._joiner.add(index, stamp, blocks)
+            if joined is not None:
+                self._join(stamp, joined)
 
         self.listen(topic, on_part)
 
-    def _peek(self, index: int, raw: bytes) -> int:
-        """The stamp of a part, in the order of the inputs."""
-        split = len(self._state.topics)
-        return self._state.peek(index, raw) if index < split else self._reference.peek(index - split, raw)
+    def _choose(self, index: int, there: Blocks, new: Blocks) -> Blocks:
+        """Of two parts of one stamp: of a state the newer, because a stranger's comes before its time."""
+        better, worse = (new, there) if index < len(self._state.topics) else (there, new)
+        if better == worse:
+            return better
+        self.refuse(self._inputs[index], "two that differ have one stamp")
+        return better if all_finite(better) else worse
 
-    def _refuse(self, topic: Topic, error: Exception) -> None:
-        self.malformed += 1
-        if self.malformed == 1:
-            self.get_logger().warning(f"refused a message on {topic.name}: {error}")
-
-    def _decode(self, parts: tuple[bytes, ...]) -> tuple[RobotState, Reference]:
+    def _join(self, stamp: int, parts: Sequence[Blocks]) -> None:
         split = len(self._state.topics)
-        return self._state.decode(parts[:split]), self._reference.decode(parts[split:])
+        try:
+            state = self._state.join(stamp, parts[:split])
+            reference = self._reference.join(stamp, parts[split:])
+        except SpaceRobotError as error:
+            for index, blocks in enumerate(parts):
+                if all_finite(blocks):
+                    self._joiner.add(index, stamp, blocks)
+                else:
+                    self.refuse(self._inputs[index], error)
+            return
+        self._take_in(state, reference)
 
     def _take_in(self, state: RobotState, reference: Reference) -> None:
         if self.active:
@@ -169,7 +210,7 @@ class ControllerNode(ManagedNode):
             self._event_publisher.wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
         # Telemetry first: when the plant has stepped, everything that belongs to the step before is on its way.
         self._telemetry_publisher.publish(self._telemetry.encode(output.telemetry)[0])
-        publish_all(self._command_publishers, self._command.encode(output.command))
+        publish_all(self._command_publishers, self._marks.put(self._command.encode(output.command), self._mark))
         if output.events:
             self._show_active()
             for event in output.events:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from space_robot_msgs_py.codec.codecs import ReferenceCodec, peek_stamp
+from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import ReferenceSource
 from space_robot_msgs_py.nodes.base import GraphNode, publish_all
 from space_robot_msgs_py.topics import BASE_ODOM
@@ -13,7 +14,8 @@ from space_robot_msgs_py.topics import BASE_ODOM
 class GuidanceNode(GraphNode):
     """Publishes the reference of every tick up to ``ahead`` ticks before the robot gets there.
 
-    A reference is a function of time, so the controller never waits for it.
+    A reference is a function of time, so the controller never waits for it. A state that is none of this run, or far
+    ahead of it without a second one that follows, moves nothing.
 
     Args:
         reference: the motion, ready made.
@@ -39,18 +41,37 @@ class GuidanceNode(GraphNode):
         self._reference = reference
         self._codec = ReferenceCodec(joint_names)
         self._period, self._steps, self._ahead = period, steps, ahead
-        self._next = self._reached = 0
+        self._next, self._reached, self._doubted = 0, -1, -1
         self._reference_publishers = [self.publisher(topic) for topic in self._codec.topics]
         self._publish_until(ahead)
         self.listen(BASE_ODOM, self._on_state)
 
+    @property
+    def begun(self) -> bool:
+        """True when a state was heard."""
+        return self._reached >= 0
+
+    def begin_again(self) -> None:
+        """The plant was reset: time starts again, and so do the references."""
+        self._next, self._reached, self._doubted = 0, -1, -1
+        self._publish_until(self._ahead)
+
     def _on_state(self, raw: bytes) -> None:
-        tick = peek_stamp(raw) // self._period
-        if tick < self._reached:
-            # The plant was reset: time starts again, and so do the references.
-            self._next = tick
-        self._reached = tick
-        self._publish_until(tick + self._ahead)
+        try:
+            stamp = peek_stamp(raw)
+        except LayoutError as error:
+            self.refuse(BASE_ODOM, error)
+            return
+        tick, rest = divmod(stamp, self._period)
+        if rest or tick > self._steps:
+            accepted = f"multiples of {self._period} ns up to {self._steps * self._period} ns"
+            self.refuse(BASE_ODOM, LayoutError("not a tick of this run", key="stamp", value=stamp, accepted=accepted))
+        elif tick <= self._next or tick == self._doubted + 1:
+            self._reached = max(self._reached, tick)
+            self._publish_until(tick + self._ahead)
+        else:
+            # Beyond all references that are out: states were lost, or this is none. The next one tells.
+            self._doubted = tick
 
     def _publish_until(self, tick: int) -> None:
         while self._next <= min(tick, self._steps):

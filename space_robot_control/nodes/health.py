@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from time import perf_counter
 
-from rclpy.node import Node
-
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.switching import Switching
+from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.diagnostics import Diagnostics
 
 DIAGNOSTICS_PERIOD = 1.0
@@ -21,7 +20,8 @@ class ControllerHealth:
         law: of the node.
     """
 
-    def __init__(self, node: Node, law: Law) -> None:
+    def __init__(self, node: GraphNode, law: Law) -> None:
+        self._refusals = node.refusals
         self._law, self._diagnostics = law, Diagnostics(node, "flight software")
         self._since, self._answers, self._total, self._longest = perf_counter(), 0, 0.0, 0.0
 
@@ -50,9 +50,12 @@ class ControllerHealth:
             "computation_longest_ms": 1e3 * self._longest,
             "longest_over_period": self._longest / period,
         }
-        statuses = [
-            self._diagnostics.status("law", ["slower than its period"] if late else [], "within its period", answers)
+        answers |= {f"refused_{name}": float(count) for name, count in sorted(self._refusals.items())}
+        warnings = [
+            *(["slower than its period"] if late else []),
+            *(f"refused {name}" for name in sorted(self._refusals)),
         ]
+        statuses = [self._diagnostics.status("law", warnings, "within its period", answers)]
         if health := law.health():
             statuses.append(self._diagnostics.status("estimator", [], "learning", health))
         self._diagnostics.publish(stamp, statuses)

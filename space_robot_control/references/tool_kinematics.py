@@ -14,7 +14,7 @@ from space_robot_msgs_py.interfaces import Vector
 
 TOLERANCE = 1e-11  # [m, rad]
 ITERATIONS = 40
-LARGEST_STEP = 0.3  # [rad] per iteration; a longer one leaves the branch of the solution before
+MAX_STEP = 0.3  # [rad] per iteration; a longer one leaves the branch of the solution before
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -95,7 +95,7 @@ class ToolKinematics:
                 return q
             step = right.T @ ((left.T @ error) / singular)
             q = np.array(q)
-            q[7:] += step * min(1.0, LARGEST_STEP / float(np.abs(step).max()))
+            q[7:] += step * min(1.0, MAX_STEP / float(np.abs(step).max()))
             q = self.settled(q)
         away = f"{np.linalg.norm(error[:3]):.3g} m away"
         raise SpecError(f"out of reach at {time:g} s", key=key, value=away, accepted="a pose the arm can take")

@@ -32,7 +32,7 @@ class Turns:
         return getattr(self._cache, name)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """What is in the cache; where nothing is, this process compiles it next, and nobody else does."""
+        """What is in the cache; where nothing is, this process compiles it next, and no other does."""
         found = self._cache.load_overload(sig, target_context)
         if found is None and self._lock is None:
             self._take()
@@ -53,7 +53,7 @@ class Turns:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             lock = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
         except OSError:
-            # What cannot be written is not filled by anybody else either.
+            # What cannot be written is not filled by another process either.
             return
         until = monotonic() + PATIENCE_SECONDS
         while monotonic() < until:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isfinite
 from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
@@ -11,7 +12,7 @@ from space_robot_msgs_py.codec import message_layouts as standard
 from space_robot_msgs_py.codec.cdr import pack_stamp, unpack_stamp
 from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.codec.texts import peek_stamp
-from space_robot_msgs_py.errors import CommandError, LayoutError
+from space_robot_msgs_py.errors import CommandError, LayoutError, NonFiniteError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState
 from space_robot_msgs_py.limits import MESSAGE_SLACK
 from space_robot_msgs_py.topics import (
@@ -40,6 +41,16 @@ def check_size(layout: Layout, raw: bytes) -> None:
 
 V = TypeVar("V")
 Blocks = Sequence[bytes]
+
+
+def all_finite(blocks: Blocks) -> bool:
+    """True where no number of a part is NaN or infinite."""
+    for block in blocks:
+        numbers = memoryview(block).cast("d")
+        # The sum tells nearly always; that of huge numbers may be infinite without any of them.
+        if not isfinite(sum(numbers)) and not all(map(isfinite, numbers)):
+            return False
+    return True
 
 
 class PartsCodec(Generic[V]):
@@ -89,6 +100,22 @@ class PartsCodec(Generic[V]):
         """The stamp [ns] of one part and the bytes of its arrays, checked against the layout; see ``join``."""
         stamp, *blocks = self.layouts[index].blocks(raw)
         return unpack_stamp(stamp), blocks
+
+    def finite_blocks(self, index: int, raw: bytes) -> Blocks:
+        """The bytes of the arrays of one part that can be used on its own; see ``join``.
+
+        A part that is checked when it comes cannot take good ones of its stamp down with it.
+
+        Raises:
+            LayoutError: the part has another layout (CommandError for commands).
+            NonFiniteError: a number is NaN or infinite.
+        """
+        layout = self.layouts[index]
+        _, *blocks = layout.blocks(raw)
+        if not all_finite(blocks):
+            wrong = next(one for block in blocks for one in memoryview(block).cast("d") if not isfinite(one))
+            raise NonFiniteError("not a finite number", key=layout.topic, value=wrong)
+        return blocks
 
     def join(self, stamp: int, parts: Sequence[Blocks]) -> V:
         """The value from what ``decode_part`` gave for each part."""

@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec
+from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.errors import LayoutError, LogError, NonFiniteError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry, Tick, Vector
-from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, Topic
 
 Row = tuple[int, dict[str, bytes]]

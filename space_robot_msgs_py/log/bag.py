@@ -21,7 +21,6 @@ from space_robot_msgs_py.log.mcap.records import MESSAGE, parse
 from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
 from space_robot_msgs_py.log.mcap.summary import read_summary
 
-
 RECOVERED = "what `space-robot recover` makes of it"
 
 

@@ -8,16 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from space_robot_msgs_py.errors import LogError
-from space_robot_msgs_py.log.preamble import RECORDED, log_name, signature
-from space_robot_msgs_py.bounded_files import read_text, short
+from space_robot_msgs_py.bounded_files import read_text
 from space_robot_msgs_py.bounded_yaml import load_yaml
-from space_robot_msgs_py.errors import LogError, SpaceRobotError
+from space_robot_msgs_py.codec.schemas import type_hash
+from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.limits import METADATA_BYTES
-from space_robot_msgs_py.log.preamble import RECORDED, log_name, signature
 from space_robot_msgs_py.log.preamble import RECORDED, log_name
 from space_robot_msgs_py.qos import qos_of, yaml_text
-from space_robot_msgs_py.codec.schemas import type_hash
 
 METADATA_FILE = "metadata.yaml"
 BAG_SUFFIX = "_0.mcap"

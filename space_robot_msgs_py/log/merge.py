@@ -12,23 +12,16 @@ from typing import Any
 from mcap.opcode import Opcode
 from mcap.records import Channel, Header, Metadata, Schema, Statistics
 
-from space_robot_msgs_py.log.bag import Bag, Channels
-from space_robot_msgs_py.log.directory import BagTopic
-from space_robot_msgs_py.log.header import METADATA_NAME
-from space_robot_msgs_py.log.preamble import LIBRARY
-from space_robot_msgs_py.log.mcap.index import IndexedWriter
-from space_robot_msgs_py.log.mcap.records import MESSAGE, PREFIX, parse, record_bytes
-from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
-from space_robot_msgs_py.log.bag import Bag, Channels
 from space_robot_msgs_py.bounded_yaml import load_yaml
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.limits import METADATA_BYTES
+from space_robot_msgs_py.log.bag import Bag, Channels
 from space_robot_msgs_py.log.directory import BagTopic
 from space_robot_msgs_py.log.header import METADATA_NAME
-from space_robot_msgs_py.log.preamble import LIBRARY
 from space_robot_msgs_py.log.mcap.index import IndexedWriter
 from space_robot_msgs_py.log.mcap.records import MESSAGE, PREFIX, parse, record_bytes
 from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
+from space_robot_msgs_py.log.preamble import LIBRARY
 
 # What rosbag2 keeps of its own metadata in a file speaks of the file as it was.
 STALE = "rosbag2"

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from mcap.records import Attachment, Channel, Header, Schema
 
-from space_robot_msgs_py.log.header import EXPERIMENT_ATTACHMENT, METADATA_NAME, URDF_ATTACHMENT, LogHeader
-from space_robot_msgs_py.log.mcap.records import MAGIC, metadata_bytes, record_bytes
+from space_robot_msgs_py.codec.schemas import schema_text, type_hash
 from space_robot_msgs_py.log.header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log.mcap.records import MAGIC, metadata_bytes, record_bytes
 from space_robot_msgs_py.qos import qos_of, yaml_text
-from space_robot_msgs_py.codec.schemas import schema_text, type_hash
 from space_robot_msgs_py.topics import TABLE, Topic
 
 LIBRARY = "space_robot"

@@ -27,9 +27,9 @@ from space_robot_msgs_py.log.arrays import LogArrays, Row, stack_ticks
 from space_robot_msgs_py.log.blocks import BLOCK, BlockStacker
 from space_robot_msgs_py.log.directory import BAG_SUFFIX
 from space_robot_msgs_py.log.header import METADATA_NAME, LogHeader
-from space_robot_msgs_py.log.preamble import END_NAME, RECORDED, log_name
 from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, flatten, message_head, parse, parse_attachment, scan
 from space_robot_msgs_py.log.mcap.summary import summary_in
+from space_robot_msgs_py.log.preamble import END_NAME, RECORDED, log_name
 from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
 

@@ -6,12 +6,12 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from space_robot_msgs_py.log.bag import Bag, intact
 from space_robot_msgs_py.errors import InputFileError, LogError
+from space_robot_msgs_py.log.bag import Bag, intact
 from space_robot_msgs_py.log.directory import BAG_SUFFIX, METADATA_FILE, write_metadata_yaml
+from space_robot_msgs_py.log.mcap.salvage import Damage
 from space_robot_msgs_py.log.merge import BagMerger
 from space_robot_msgs_py.log.reader import LogReader
-from space_robot_msgs_py.log.mcap.salvage import Damage
 from space_robot_msgs_py.log.run_directory import RunDirectory
 
 CUT = "cut"
@@ -101,7 +101,7 @@ def _write(merger: BagMerger, path: Path, source: str) -> tuple[str | None, str]
 
 
 def _reread(path: Path, expected: int) -> tuple[str | None, str]:
-    """The reason of the end and why the result is not a run log; a result that cannot be read is an error, not a result."""
+    """The reason of the end and why the result is not a run log; a result that cannot be read is an error."""
     found = sum(1 for _ in intact(Bag(path).messages(), str(path)))
     if found != expected:
         raise LogError("the recovered bag does not read back", key=str(path), value=found, accepted=f"{expected}")

@@ -24,7 +24,7 @@ class RunDirectory:
     The lock ends with the process, however it ends. A child process that inherits the descriptor holds the same lock.
 
     Args:
-        directory: it is made where it is not there; a directory that nothing was written to is removed again at the end.
+        directory: it is made where it is not there; one that nothing was written to is removed again at the end.
         inherited: its descriptor, opened and locked by the parent process.
 
     Attributes:

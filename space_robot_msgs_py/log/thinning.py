@@ -24,7 +24,8 @@ class Thinner:
     as many ticks again stay at equal distances.
 
     Args:
-        most: ticks that are kept, about; a log of no more is kept as it is. While it is read there may be twice as many.
+        most: ticks that are kept, about; a log of no more is kept as it is. While it is read there may be
+            twice as many.
 
     Attributes:
         ticks: that came in.

@@ -12,13 +12,10 @@ from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.interfaces import PlantSample, Reference, Tick
 from space_robot_msgs_py.log.closing import Written, append_end, finish_bag, write_all
 from space_robot_msgs_py.log.header import LogHeader
-from space_robot_msgs_py.log.preamble import CHANNELS, END_NAME, preamble
-from space_robot_msgs_py.log.mcap.index import write_indexed
-from space_robot_msgs_py.log.mcap.records import message_bytes, metadata_bytes
-from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.log.mcap.records import message_bytes
 from space_robot_msgs_py.log.preamble import CHANNELS, channels_of, preamble
 from space_robot_msgs_py.log.run_directory import RunDirectory, WatchedFile
+from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, TF, TF_STATIC, Topic
 from space_robot_msgs_py.transforms import FrameTransforms
 

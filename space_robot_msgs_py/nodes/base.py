@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Sequence
 from time import monotonic
 from typing import Any
 
@@ -13,19 +14,20 @@ from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.task import Future
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from space_robot_msgs_py.codec.codecs import decode_string, encode_string
+from space_robot_msgs_py.codec.sender_mark import mark_of
 from space_robot_msgs_py.errors import LayoutError, SpecError, shortened
 from space_robot_msgs_py.escapes import visible
-from space_robot_msgs_py.limits import REASON_BYTES
 from space_robot_msgs_py.nodes.parameters import NodeParameters
 from space_robot_msgs_py.nodes.replies import Replies
 from space_robot_msgs_py.parameters import ParameterRow
 from space_robot_msgs_py.ros import message_class, qos
-from space_robot_msgs_py.topics import RUN_END, Topic
+from space_robot_msgs_py.run_messages import RunBegin, RunEnd, decode_begin, decode_end, encode_end
+from space_robot_msgs_py.topics import RUN_BEGIN, RUN_END, Topic
 
 FLUSH_SECONDS = 0.1
-# Characters of an error that become the reason of an end: fewer than REASON_BYTES in any alphabet.
+# Characters of an error that become the reason of an end: with all else fewer than REASON_BYTES in any alphabet.
 MAX_REASON = 16_000
 
 
@@ -39,6 +41,8 @@ class GraphNode(Node):  # type: ignore[misc]
         end_reason: why the run ended, once it has.
         over: done when it has; what an executor spins for.
         failure: the exception that stopped this node.
+        runs: the runs this node takes part in and how often each was reset, by name; normally there is one.
+        refusals: how many messages were refused, by topic.
         parameters: what it shows of itself.
         replies: those of its services.
 
@@ -70,8 +74,19 @@ class GraphNode(Node):  # type: ignore[misc]
         self.end_reason: str | None = None
         self.over = Future()
         self.failure: Exception | None = None
+        self.runs: dict[str, int] = {}
+        self.refusals: Counter[str] = Counter()
         self._end_publisher = self.publisher(RUN_END)
+        self.listen(RUN_BEGIN, self._on_run_begin)
         self.listen(RUN_END, self._on_run_end)
+
+    @property
+    def begun(self) -> bool:
+        """True when this node has seen a state of the run; from then on only nodes of that run may end it."""
+        return False
+
+    def begin_again(self) -> None:
+        """The simulator says that the run was reset: time begins again at 0; by default nothing is to be done."""
 
     def tune(self, changes: dict[str, Any]) -> None:
         """Take over parameters that were set in flight, all or none; a node without dynamic ones is never asked.
@@ -117,7 +132,8 @@ class GraphNode(Node):  # type: ignore[misc]
         """Tell the whole graph that the run is over, and why; the first reason counts."""
         if self.end_reason is None:
             self._hear_end(reason)
-            self._end_publisher.publish(encode_string(reason))
+            run = next(reversed(self.runs), "")
+            self._end_publisher.publish(encode_end(RunEnd(run, self.get_fully_qualified_name(), reason)))
 
     def fail(self, error: Exception) -> None:
         """Keep the error that stopped this node, log it once and end the run with it."""
@@ -149,18 +165,71 @@ class GraphNode(Node):  # type: ignore[misc]
                 if monotonic() > deadline or hurried():
                     return
 
+    def refuse(self, topic: Topic, why: object) -> None:
+        """Count a message that is not taken; log the first of a topic, with what the graph knows of its sender."""
+        self.refusals[topic.name] += 1
+        if self.refusals[topic.name] == 1:
+            self.get_logger().warning(f"refused a message on {topic.name}: {why}; {self.senders(topic)}")
+
+    def senders(self, topic: Topic, others: Collection[str] = ()) -> str:
+        """Which nodes may have sent a message, for logs: the middleware does not tell which one did.
+
+        Args:
+            topic: of the message.
+            others: full names of nodes which did not send it.
+        """
+        found = set(self.publishing_nodes(topic)).difference(others, {self.get_fully_qualified_name()})
+        return f"published by {' or '.join(sorted(found)) or 'a node that is gone'}"
+
+    def publishers_by_mark(self, topic: Topic) -> dict[bytes, str]:
+        """Full names of the nodes that publish a topic, by the mark of their publisher; a query of the graph."""
+        found = self.get_publishers_info_by_topic(topic.name)
+        return {mark_of(bytes(one.endpoint_gid)): full_name(one) for one in found}
+
+    def publishing_nodes(self, topic: Topic) -> tuple[str, ...]:
+        """Full names of the nodes that publish a topic, each once; a query of the graph, not for every tick."""
+        found = self.get_publishers_info_by_topic(topic.name)
+        return tuple(sorted({full_name(one) for one in found}))
+
+    def hear_begin(self, begin: RunBegin) -> None:
+        """Take part in a run, or in another one where its simulator is the only one; a higher number is a reset."""
+        number, others = self.runs.get(begin.run), bool(self.runs)
+        if number is None and others and self.begun and self._readers[RUN_BEGIN].get_publisher_count() > 1:
+            self.refuse(RUN_BEGIN, f"a second simulator; this run is {next(reversed(self.runs))}, that one {begin.run}")
+            return
+        if number is not None and begin.number <= number:
+            return
+        self.runs[begin.run] = begin.number
+        if number is not None or (others and self.begun):
+            self.begin_again()
+
+    def _on_run_begin(self, raw: bytes) -> None:
+        try:
+            begin = decode_begin(raw)
+        except LayoutError as error:
+            self.refuse(RUN_BEGIN, error)
+            return
+        self.hear_begin(begin)
+
     def _on_run_end(self, raw: bytes) -> None:
         try:
-            reason = decode_string(raw, REASON_BYTES)
+            end = decode_end(raw)
         except LayoutError as error:
-            self.get_logger().warning(f"ignored a malformed {RUN_END.name}: {error}")
+            self.refuse(RUN_END, error)
             return
-        if self.end_reason is None:
-            self._hear_end(reason)
+        if end.run not in self.runs and (end.run or self.begun):
+            self.refuse(RUN_END, f"{end.node} ends the run {end.run or 'without a name'}, which is not this one")
+        elif self.end_reason is None:
+            self._hear_end(end.reason)
 
     def _hear_end(self, reason: str) -> None:
         self.end_reason = reason
         self.over.set_result(None)
+
+
+def full_name(endpoint: TopicEndpointInfo) -> str:
+    """Name and namespace of the node that an endpoint belongs to."""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
 def publish_all(publishers: Sequence[Publisher], parts: Sequence[bytes]) -> None:

@@ -11,6 +11,8 @@ from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallba
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.nodes.base import GraphNode
 
+WITHDRAW_SECONDS = 1.0
+
 
 class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
     """A GraphNode in the life cycle of ROS; until it is configured it only knows how the run ends.
@@ -37,6 +39,10 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         if steered:
             _refuse_politely(self._service_change_state)
             self.replies.guard(self.services)
+        self.keep()
+
+    def keep(self) -> None:
+        """What there is of publishers, subscriptions, services and timers now stays through every cleanup."""
         self._permanent = {id(handle) for handle in self._handles()}
 
     @abstractmethod
@@ -124,6 +130,8 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         return TransitionCallbackReturn.SUCCESS
 
     def _withdraw(self) -> None:
+        # What was published last is still wanted: what goes is not sent again.
+        self.flush(WITHDRAW_SECONDS)
         for handles, destroy in (
             (self.timers, self.destroy_timer),
             (self.services, self.destroy_service),

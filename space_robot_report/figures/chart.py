@@ -14,16 +14,16 @@ from space_robot_studies.reproduce.reproduction import FigureResult
 HALF_BAR, GOLDEN = 0.3, 0.618033988749895
 
 
-def draw_chart(axis: Any, chart: Chart, flown: FigureResult) -> None:
+def draw_chart(axis: Any, chart: Chart, result: FigureResult) -> None:
     """Draw every run that has the number as a dot and say how many have none."""
-    runs = shown(chart, flown)
+    runs = shown(chart, result)
     without = 0
     for column, group in enumerate(dict.fromkeys(run.group for run, _ in runs)):
         members = [pair for pair in runs if pair[0].group == group]
         points: dict[float, list[FinishedRun]] = {}
         for pair in members:
             points.setdefault(float(pair[0].values[chart.x]) if chart.x else float(column), []).append(pair)
-        without += _draw_group(axis, chart, flown, dict(sorted(points.items())))
+        without += _draw_group(axis, chart, result, dict(sorted(points.items())))
     if without:
         text = f"{without} of {len(runs)} runs without this number"
         axis.text(0.99, 0.97, text, transform=axis.transAxes, ha="right", va="top", fontsize="small", color="#a00")
@@ -42,18 +42,18 @@ def draw_chart(axis: Any, chart: Chart, flown: FigureResult) -> None:
 plain = mathtext
 
 
-def _draw_group(axis: Any, chart: Chart, flown: FigureResult, points: dict[float, list[FinishedRun]]) -> int:
+def _draw_group(axis: Any, chart: Chart, result: FigureResult, points: dict[float, list[FinishedRun]]) -> int:
     """Draw a group and return how many of its runs lack the number."""
     members = [pair for pairs in points.values() for pair in pairs]
-    color = _color(chart, flown, members[0][0].group)
+    color = _color(chart, result, members[0][0].group)
     without, line = 0, {}
     for x, pairs in points.items():
-        numbers = [pair[1].number(chart.measure.quantity, flown.figure.diverged) for pair in pairs]
+        numbers = [pair[1].number(chart.measure.quantity, result.figure.diverged) for pair in pairs]
         without += numbers.count(None)
         there = [value for value in numbers if value is not None]
         places = [x] * len(there) if chart.x else [x + _aside(index) for index in range(len(there))]
         axis.plot(places, there, "o", color=color, markersize=4, alpha=0.5, label="_")
-        value = reduce(chart.measure, pairs, flown.figure.diverged).value
+        value = reduce(chart.measure, pairs, result.figure.diverged).value
         if value is not None and (chart.measure.reduce or len(pairs) == 1):
             line[x] = value
     if chart.x:
@@ -70,8 +70,8 @@ def _aside(index: int) -> float:
     return HALF_BAR * (2.0 * ((0.5 + index * GOLDEN) % 1.0) - 1.0)
 
 
-def _color(chart: Chart, flown: FigureResult, group: str) -> str:
+def _color(chart: Chart, result: FigureResult, group: str) -> str:
     """One color per group: the abscissa tells the runs of a group apart."""
     style = chart.style.get(group)
-    index = list(flown.figure.runs).index(group)
+    index = list(result.figure.runs).index(group)
     return style.color if style and style.color else PALETTE[index % len(PALETTE)]

@@ -20,16 +20,16 @@ LINES = ("solid", "dashed", "dashdot", "dotted")
 FINE = 200
 
 
-def draw_grid(axis: Any, grid: Grid, flown: FigureResult) -> None:
+def draw_grid(axis: Any, grid: Grid, result: FigureResult) -> None:
     """Draw one cell per point, grey where no run has the number, and the formulas as lines."""
     points: dict[tuple[float, float], list[FinishedRun]] = {}
-    for run in shown(grid, flown):
+    for run in shown(grid, result):
         values = run[0].values
         points.setdefault((float(values[grid.x]), float(values[grid.y])), []).append(run)
     xs, ys = (np.unique([point[i] for point in points]) for i in (0, 1))
     cells = np.full((ys.size, xs.size), np.nan)
     for (x, y), runs in points.items():
-        value = reduce(grid.measure, runs, flown.figure.diverged).value
+        value = reduce(grid.measure, runs, result.figure.diverged).value
         if value is not None:
             cells[np.searchsorted(ys, y), np.searchsorted(xs, x)] = value
     edges_x, edges_y = _edges(xs, grid.x_scale == "log"), _edges(ys, grid.y_scale == "log")
@@ -47,7 +47,7 @@ def draw_grid(axis: Any, grid: Grid, flown: FigureResult) -> None:
     axis.set_ylim(edges_y[0], edges_y[-1])
     axis.set_xlabel(plain(grid.x_label or grid.x))
     axis.set_ylabel(plain(grid.y_label or grid.y))
-    axis.set_title(plain(", ".join(grid.of or flown.figure.runs)), loc="left", fontsize="medium")
+    axis.set_title(plain(", ".join(grid.of or result.figure.runs)), loc="left", fontsize="medium")
 
 
 def _draw_lines(axis: Any, grid: Grid, edges: Vector) -> None:

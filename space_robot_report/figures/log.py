@@ -1,4 +1,4 @@
-"""One picture of a log: attitude and joints against what was asked, and what it took."""
+"""One picture of a log: attitude and joints, desired and measured, and the torques."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ LOOK = {
     "legend.frameon": False,
 }
 # A legend longer than this stands beside nothing but itself.
-LONGEST_LEGEND = 14
+MAX_LEGEND = 14
 
 
 def check_colors(figure: Figure, key: str) -> None:
@@ -44,8 +44,8 @@ def check_colors(figure: Figure, key: str) -> None:
                     raise SpecError("not a color", key=where, value=style.color, accepted="red, '#a0b0c0', C0, ...")
 
 
-def draw_figure(flown: FigureResult, path: Path) -> bool:
-    """Draw a flown figure into a PNG file.
+def draw_figure(result: FigureResult, path: Path) -> bool:
+    """Draw a finished figure into a PNG file.
 
     Returns:
         Whether there was anything to draw.
@@ -53,7 +53,7 @@ def draw_figure(flown: FigureResult, path: Path) -> bool:
     Raises:
         LogError: the picture cannot be written.
     """
-    figure = flown.figure
+    figure = result.figure
     rows = len(figure.panels) + len(figure.charts) + len(figure.grids) + len(figure.maps)
     if not rows:
         return False
@@ -62,13 +62,13 @@ def draw_figure(flown: FigureResult, path: Path) -> bool:
         picture, axes = plt.subplots(rows, 1, figsize=size, layout="constrained", squeeze=False)
         try:
             free = iter(axes[len(figure.panels) :, 0])
-            _draw_panels(flown, axes[: len(figure.panels), 0])
+            _draw_panels(result, axes[: len(figure.panels), 0])
             for chart in figure.charts:
                 axis = next(free)
-                draw_chart(axis, chart, flown)
+                draw_chart(axis, chart, result)
                 _dress(axis, chart, str(chart.measure.quantity))
             for grid in figure.grids:
-                draw_grid(next(free), grid, flown)
+                draw_grid(next(free), grid, result)
             for wanted in figure.maps:
                 draw_stability(next(free), wanted)
             picture.savefig(path, dpi=130, format="png")
@@ -79,16 +79,16 @@ def draw_figure(flown: FigureResult, path: Path) -> bool:
     return True
 
 
-def _draw_panels(flown: FigureResult, axes: Any) -> None:
-    for axis, panel in zip(axes, flown.figure.panels, strict=True):
-        for index, curve in enumerate(curves_of(panel, flown)):
+def _draw_panels(result: FigureResult, axes: Any) -> None:
+    for axis, panel in zip(axes, result.figure.panels, strict=True):
+        for index, curve in enumerate(curves_of(panel, result)):
             # What the manifest names first lies on top.
             _draw_curve(axis, curve, 3.0 / (1 + index) + 1.0)
         axis.margins(x=0.0)
         axis.set_xlim(left=panel.after or None, right=panel.before)
         _dress(axis, panel, ", ".join(panel.signals))
-    for axis, panel in zip(axes[:-1], flown.figure.panels[:-1], strict=True):
-        last = flown.figure.panels[-1]
+    for axis, panel in zip(axes[:-1], result.figure.panels[:-1], strict=True):
+        last = result.figure.panels[-1]
         if (panel.after, panel.before) == (last.after, last.before):
             axis.sharex(axes[-1])
             axis.tick_params(labelbottom=False)
@@ -119,5 +119,5 @@ def _dress(axis: Any, drawing: Drawing, shown: str) -> None:
     axis.set_title(plain(drawing.label or shown), loc="left", fontsize="medium")
     handles, labels = axis.get_legend_handles_labels()
     if len(handles) > 1 or (handles and drawing.legend):
-        columns = 1 + (len(handles) - 1) // LONGEST_LEGEND
+        columns = 1 + (len(handles) - 1) // MAX_LEGEND
         axis.legend(handles, labels, loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=columns)

@@ -15,10 +15,10 @@ import matplotlib as mpl
 
 @contextmanager
 def own_settings(look: Mapping[str, Any] | None = None) -> Iterator[None]:
-    """Draw with matplotlib's own settings and some of ours; afterwards those of before are back.
+    """Draw with matplotlib's own settings and some of the project; afterwards those of before are back.
 
     Args:
-        look: our settings.
+        look: settings of the project.
     """
     with mpl.rc_context():
         mpl.rcdefaults()

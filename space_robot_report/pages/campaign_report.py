@@ -1,4 +1,4 @@
-"""The page of a campaign: rates with their intervals, spreads, worst cases and how to fly each of them again."""
+"""The page of a campaign: rates with their intervals, spreads, worst cases and how to run each of them again."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from space_robot_studies.engine.journal import bag_path
 
 TEMPLATE = "campaign.html.j2"
 # Of cases in a list; the rest is in the table of the campaign.
-MOST_LISTED = 100
+MAX_LISTED = 100
 Columns = Mapping[str, Any]
 
 
@@ -55,7 +55,7 @@ def campaign_page(campaign: Campaign, rows: Sequence[Columns], versions: Mapping
         campaign: resolved.
         rows: of the finished cases, in order.
         versions: of everything that can change a run.
-        directory: for the commands that fly a case again.
+        directory: for the commands that run a case again.
     """
     book = PlotBook()
     points: dict[int, list[Columns]] = {}
@@ -112,12 +112,12 @@ def _worst(groups: Sequence[Group], directory: Path) -> list[dict[str, Any]]:
             # Where nothing spreads, no case is the worst.
             if name not in PLANT_BOUNDS and spread.worst is not None and spread.min != spread.max:
                 found.setdefault(spread.worst, []).append(f"{name} {spread.max:.3g}")
-    order = sorted(found, key=lambda index: (-len(found[index]), index))[:MOST_LISTED]
+    order = sorted(found, key=lambda index: (-len(found[index]), index))[:MAX_LISTED]
     return [{"index": index, "what": found[index], "command": _again(directory, index)} for index in order]
 
 
 def _failures(rows: Sequence[Columns], directory: Path) -> list[dict[str, Any]]:
-    failed = [row for row in rows if not row["passed"]][:MOST_LISTED]
+    failed = [row for row in rows if not row["passed"]][:MAX_LISTED]
     return [
         {
             "index": row["index"],

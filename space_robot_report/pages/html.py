@@ -34,7 +34,7 @@ def environment() -> Environment:
 
 
 def _plain(value: object) -> object:
-    """Of a text that is no HTML of ours, only what can be seen; jinja escapes the rest."""
+    """Of a text that is not this page's own HTML, only what can be seen; jinja escapes the rest."""
     return visible(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
 

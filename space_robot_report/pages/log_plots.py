@@ -1,4 +1,4 @@
-"""Which plots a log gets: what was asked and done, what it took, what the law shows and whether physics was kept."""
+"""Which plots a log gets: desired and measured motion, the torques, what the law shows and whether physics was kept."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from space_robot_report.pages.plots import Plot, Trace, lines
 
 RPY, XYZ = ("roll", "pitch", "yaw"), ("x", "y", "z")
 # A legend of more lines than this hides the plot.
-LONGEST_LEGEND = 14
+MAX_LEGEND = 14
 # Drawn under headings of their own.
 SHOWN = (
     "true_configuration",
@@ -37,7 +37,7 @@ FLOOR = 1e-18
 def motion_plots(
     arrays: LogArrays, joints: Sequence[str], robot: Robot | None, *, whole: bool = True
 ) -> Iterator[Plot]:
-    """What was asked, what was done, and the difference: the truth where the plant tells it, else the measurement.
+    """Desired and actual values and their difference: the truth where the plant tells it, else the measurement.
 
     Args:
         arrays: of a log.
@@ -73,11 +73,13 @@ def effort_plots(arrays: LogArrays, joints: Sequence[str], robot: Robot | None) 
     if robot is None or robot.base_mode == "free_flying":
         yield _answered("Base force [N]", time, wrench[:, :3], arrays.wrench[:, :3], XYZ, note)
     if robot is not None:
-        share, asked = effort / robot.effort_limit, arrays.effort_command / robot.effort_limit
+        share, commanded = effort / robot.effort_limit, arrays.effort_command / robot.effort_limit
         said = ", ".join(f"{name} {limit:g}" for name, limit in zip(joints, robot.effort_limit, strict=True))
         limits = {"limit": 1.0, "-limit": -1.0}
-        plot = _answered("Joint efforts over their limits [-]", time, share, asked, joints, f"{note} Limits: {said}.")
-        yield replace(plot, levels=limits if np.abs(asked).max(initial=0.0) > 0.3 else {})
+        plot = _answered(
+            "Joint efforts over their limits [-]", time, share, commanded, joints, f"{note} Limits: {said}."
+        )
+        yield replace(plot, levels=limits if np.abs(commanded).max(initial=0.0) > 0.3 else {})
     yield _answered("Joint efforts [N m or N]", time, effort, arrays.effort_command, joints, note)
     if "wheel_momentum" in arrays.plant:
         yield _wheels(time, arrays.plant["wheel_momentum"], robot)
@@ -100,7 +102,7 @@ def telemetry_plots(time: Vector, blocks: Mapping[str, Matrix]) -> Iterator[Plot
         if label in SHOWN or not block.shape[1]:
             continue
         names = [f"[{index}]" for index in range(block.shape[1])] if block.shape[1] > 1 else [""]
-        yield Plot(label, lines(time, block, names, legend=len(names) <= LONGEST_LEGEND))
+        yield Plot(label, lines(time, block, names, legend=len(names) <= MAX_LEGEND))
 
 
 def _wheels(time: Vector, momentum: Matrix, robot: Robot | None) -> Plot:
@@ -129,8 +131,8 @@ def _followed(title: str, time: Vector, values: Matrix, wanted: Matrix, names: S
     return Plot(title, [*lines(time, values, names), *dotted], note="Dotted: desired.")
 
 
-def _answered(title: str, time: Vector, values: Matrix, asked: Matrix, names: Sequence[str], note: str) -> Plot:
-    dotted = [replace(trace, name="") for trace in lines(time, asked, names, dash="dot", steps="after")]
+def _answered(title: str, time: Vector, values: Matrix, commanded: Matrix, names: Sequence[str], note: str) -> Plot:
+    dotted = [replace(trace, name="") for trace in lines(time, commanded, names, dash="dot", steps="after")]
     return Plot(title, [*dotted, *lines(time, values, names, steps="before")], note=note)
 
 

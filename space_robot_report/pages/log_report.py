@@ -23,7 +23,7 @@ TEMPLATE = "log.html.j2"
 
 
 def write_log_report(log: Path, out: Path, meshes: Sequence[Path] = ()) -> JudgedLog:
-    """Write the page of a log, whole or damaged; the page says what is missing.
+    """Write the page of a log, whole or corrupted; the page says what is missing.
 
     Args:
         log: run directory or .mcap file.
@@ -45,14 +45,14 @@ def write_log_report(log: Path, out: Path, meshes: Sequence[Path] = ()) -> Judge
 def log_page(judged: JudgedLog, meshes: Sequence[Path] = ()) -> str:
     """The page of a log as HTML."""
     book, troubles = PlotBook(), list(judged.troubles)
-    flight, tool = _flight(judged, troubles, meshes)
+    played, tool = _played(judged, troubles, meshes)
     content = {
         "title": _title(judged),
         "source": judged.experiment.source if judged.experiment else "",
         "summary": _summary(judged),
         "verdict": _verdict(judged),
         "metrics": judged.metrics,
-        "scene": embedded(flight) if flight else "",
+        "scene": embedded(played) if played else "",
         "tool": tool,
         "figures": _figures(judged, book, troubles),
         "sections": _sections(judged, book),
@@ -85,7 +85,7 @@ def _verdict(judged: JudgedLog) -> dict[str, Any]:
     return {"known": bool(checks), "passed": all(check.passed for check in checks), "checks": checks}
 
 
-def _flight(judged: JudgedLog, troubles: list[str], meshes: Sequence[Path]) -> tuple[dict[str, Any] | None, str]:
+def _played(judged: JudgedLog, troubles: list[str], meshes: Sequence[Path]) -> tuple[dict[str, Any] | None, str]:
     """What the playback shows, and the link whose way it draws."""
     try:
         look = look_of(judged.header.urdf, meshes)
@@ -122,7 +122,7 @@ def _figures(judged: JudgedLog, book: PlotBook, troubles: list[str]) -> list[dic
 
 
 def _events(judged: JudgedLog) -> list[dict[str, Any]]:
-    """What was changed in flight, for people."""
+    """What was changed during the run, for people."""
     return [
         {"time": event.stamp / NANOSECONDS, "kind": event.kind, "content": json.dumps(dict(event.content), indent=1)}
         for event in judged.events

@@ -17,12 +17,12 @@ from space_robot_studies.reproduce.summary import Data, count, heading, sample, 
 PAGE = "index.html"
 
 
-def write_report(plan: Plan, flown: Sequence[FigureResult], directory: Path) -> Data:
+def write_report(plan: Plan, result: Sequence[FigureResult], directory: Path) -> Data:
     """Draw and write everything.
 
     Args:
         plan: of the paper.
-        flown: its figures.
+        result: its figures.
         directory: where to.
 
     Returns:
@@ -32,11 +32,11 @@ def write_report(plan: Plan, flown: Sequence[FigureResult], directory: Path) -> 
         LogError: something cannot be written.
     """
     pictures: dict[str, str] = {}
-    for figure in flown:
+    for figure in result:
         file = picture_name(figure.name)
         if draw_figure(figure, directory / file):
             pictures[figure.name] = file
-    data = summary(plan, flown, pictures)
+    data = summary(plan, result, pictures)
     write_atomically(directory / PAGE, page(data, directory))
     write_atomically(directory / CLAIMS, json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
     return data

@@ -31,7 +31,7 @@ class PaperFigure:
         caption: of the manifest.
         plots: its panels with the curves of this run.
         claims: of the paper, with the documented verdicts.
-        command: that flies the whole figure and judges it.
+        command: that runs the whole figure and judges it.
     """
 
     heading: str
@@ -43,7 +43,7 @@ class PaperFigure:
 
 
 def paper_figures(judged: JudgedLog) -> list[PaperFigure]:
-    """The figures a run belongs to, those its ``source`` names, else all that fly it; none for a run of no paper."""
+    """The figures a run belongs to, those its ``source`` names, else all that run it; none for a run of no paper."""
     experiment, composition = judged.experiment, judged.composition
     if experiment is None or composition is None or not experiment.source:
         return []
@@ -73,15 +73,15 @@ def _names(source: str, figure: str) -> bool:
 
 
 def _belonging(experiment: Experiment) -> Iterator[tuple[str, Manifest, str, Figure]]:
-    """Shipped figures that fly an experiment of this title and source."""
+    """Shipped figures that run an experiment of this title and source."""
     identity = (experiment.title, experiment.source)
     for paper in shipped("papers"):
         path = manifest_path(paper)
         manifest = read_manifest(path, paper)
         files = {group.experiment for figure in manifest.figures.values() for group in figure.runs.values()}
-        ours = {name for name in files if name and _identity(name, path.parent) == identity}
+        shipped_names = {name for name in files if name and _identity(name, path.parent) == identity}
         for name, figure in manifest.figures.items():
-            if ours & {group.experiment for group in figure.runs.values()}:
+            if shipped_names & {group.experiment for group in figure.runs.values()}:
                 yield paper, manifest, name, figure
 
 

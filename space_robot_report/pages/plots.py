@@ -111,7 +111,7 @@ def _trace(trace: Trace) -> dict[str, Any]:
 
 
 def packed(values: npt.ArrayLike, kind: Literal["f4", "f8", "u4", "u2"]) -> dict[str, str]:
-    """An array as plotly.js and our own script read it: bytes in base64, a third of the size of text."""
+    """An array as plotly.js and the script of the page read it: bytes in base64, a third of the size of text."""
     data = np.ascontiguousarray(values, dtype=f"<{kind}").tobytes()
     return {"dtype": kind, "bdata": base64.b64encode(data).decode()}
 

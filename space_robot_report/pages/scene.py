@@ -15,7 +15,7 @@ from space_robot_report.pages.plots import packed
 from space_robot_report.playback import Footage, joint_axes, way_of
 
 # The page turns smoothly between these; more would not be seen.
-MOST_FRAMES = 900
+MAX_FRAMES = 900
 
 
 def scene(look: Look, arrays: LogArrays, tool: str) -> dict[str, Any]:
@@ -33,7 +33,7 @@ def scene(look: Look, arrays: LogArrays, tool: str) -> dict[str, Any]:
         over the largest of the run.
     """
     film = Footage.of(arrays)
-    frames = np.unique(np.linspace(0, film.time.size - 1, MOST_FRAMES).astype(int))
+    frames = np.unique(np.linspace(0, film.time.size - 1, MAX_FRAMES).astype(int))
     link = tool if look.model.existFrame(tool) else look.tool
     return {
         "parts": _parts(look),

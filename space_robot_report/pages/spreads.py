@@ -14,7 +14,7 @@ from space_robot_report.pages.plots import packed
 from space_robot_report.palette import PALETTE
 
 # Of more points per box some are drawn, evenly by size and the ends among them: the box stays where it is.
-MOST_POINTS = 400
+MAX_POINTS = 400
 Rows = Sequence[Mapping[str, Any]]
 
 
@@ -63,11 +63,11 @@ def _column(rows: Rows, name: str) -> tuple[Any, list[int]]:
 
 
 def _thinned(values: Any, indices: list[int]) -> tuple[Any, list[int]]:
-    """At most MOST_POINTS of the numbers, evenly by size, with their cases."""
-    if values.size <= MOST_POINTS:
+    """At most MAX_POINTS of the numbers, evenly by size, with their cases."""
+    if values.size <= MAX_POINTS:
         return values, indices
     order = np.argsort(values, kind="stable")
-    kept = np.sort(order[np.linspace(0, values.size - 1, MOST_POINTS).round().astype(int)])
+    kept = np.sort(order[np.linspace(0, values.size - 1, MAX_POINTS).round().astype(int)])
     return values[kept], [indices[place] for place in kept]
 
 

@@ -14,7 +14,7 @@ from space_robot_report.viewer.serve import Show
 
 
 def load_show(log: Path, meshes: Sequence[Path] = ()) -> tuple[Show, tuple[str, ...]]:
-    """Read a log, whole or damaged.
+    """Read a log, whole or corrupted.
 
     Args:
         log: run directory or .mcap file.

@@ -62,7 +62,7 @@ class Panel:
             self._button.label = label
 
     def _on_slider(self, event: Any) -> None:
-        # Our own ``follow`` moves the slider too; only a person has a client.
+        # Its own ``follow`` moves the slider too; only a person has a client.
         if event.client is not None:
             self._clock.seek(float(self._slider.value))
 

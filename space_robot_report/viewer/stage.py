@@ -19,9 +19,9 @@ from space_robot_report.viewer.visualizer import GhostVisualizer, RobotVisualize
 DESIRED = (0.0, 0.45, 0.7, 0.22)
 TORQUE, WAY = (213, 94, 0), (204, 121, 167)
 # Of the way of the tool; more would only burden the browser.
-MOST_STEPS = 3000
+MAX_STEPS = 3000
 # Arrows shorter than this share of the longest are left out.
-LEAST = 0.02
+MIN_LENGTH = 0.02
 
 
 class Stage:
@@ -57,7 +57,7 @@ class Stage:
         axes = {"axes_length": 0.75 * self.size, "axes_radius": 0.02 * self.size}
         self._base = scene.add_frame("world/base axes", **axes)
         self._torques = scene.add_arrows("world/torques", np.zeros((1, 2, 3)), TORQUE, **self._arrow)
-        way = way_of(look.model, motion.film.q[:: 1 + len(motion.film.q) // MOST_STEPS], tool)
+        way = way_of(look.model, motion.film.q[:: 1 + len(motion.film.q) // MAX_STEPS], tool)
         pieces = np.stack([way[:-1], way[1:]], axis=1) if len(way) > 1 else np.stack([way, way], axis=1)
         self._way = scene.add_line_segments("world/way", pieces, WAY, thickness=0.012 * self.size)
         self._add_grid()
@@ -112,7 +112,7 @@ class Stage:
         for joint, (axis, effort) in enumerate(zip(self._axes, moment.efforts, strict=True), start=2):
             place = placements[joint]
             arrows.append((place.translation, 0.6 * self.size * effort * place.rotation @ axis))
-        long = [(at, at + push) for at, push in arrows if np.linalg.norm(push) > LEAST * self.size]
+        long = [(at, at + push) for at, push in arrows if np.linalg.norm(push) > MIN_LENGTH * self.size]
         # viser wants at least one.
         return np.array(long or [(base.translation, base.translation)])
 

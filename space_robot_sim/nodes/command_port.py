@@ -3,23 +3,37 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.subscription import Subscription
 
 from space_robot_msgs_py.codec.codecs import CommandCodec
+from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import Topic
+from space_robot_sim.nodes.accepted import AcceptedCommands
 
 JOIN_CAPACITY = 64
+# Marks that are looked up in the graph; more are no marks.
+MAX_SENDERS = 64
+# How long a controller that answered with what cannot be used is given to answer again; of the steady clock.
+SECOND_CHANCE = 1.0
+
+Joiner = StampJoiner[tuple[bytes, Sequence[bytes]]]
 
 
 class CommandPort:
     """Takes the parts of commands from the graph and offers at most one valid answer to the awaited stamp.
 
-    A message with a stale or future stamp is counted and ignored. One with the awaited stamp but wrong names, wrong
-    size or a number that is not finite counts as an answer that could not be used: the plant then holds.
+    The first valid answer to a state counts, whichever node sent it. Its parts carry one mark, or both none, see
+    ``SenderMark``: parts of two shipped controllers, or of one and of another node, never make one command.
+    A message with a stale or future stamp, with wrong names, wrong size or a number that is not finite is counted and
+    is no answer. Where only such a message answers a state in lock-step, the plant holds, ``SECOND_CHANCE`` later.
 
     Args:
         node: the node to subscribe on.
@@ -33,22 +47,29 @@ class CommandPort:
     ) -> None:
         self._node, self._on_answer, self._keep_late = node, on_answer, keep_late
         self._codec = CommandCodec(joint_names)
-        self._joiner: StampJoiner[bytes] = StampJoiner(len(self._codec.topics), JOIN_CAPACITY, once=False)
-        self._awaited = 0
-        self._newest: Command | None = None
-        self._answer: Command | None = None
-        self.answered = False
+        self._marks = SenderMark(self._codec.layouts)
+        # By the mark of the sender; what has none of a publisher of commands is joined among itself.
+        self._joiners: dict[bytes, Joiner] = {}
+        self._senders: dict[bytes, str] = {}
+        self._second_chance = node.create_timer(
+            SECOND_CHANCE, self._hold, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
+        )
         self.counts: Counter[str] = Counter()
-        for index, topic in enumerate(self._codec.topics):
-            self._listen_part(index, topic)
+        self._logged: set[str] = set()
+        self.accepted = AcceptedCommands(node)
+        self.restart()
+        self._readers = [self._listen_part(index, topic) for index, topic in enumerate(self._codec.topics)]
+
+    def restart(self) -> None:
+        """Await the answer to state 0 of a new run; all that was heard before is forgotten."""
+        self._joiners.clear()
+        self.accepted.clear()
+        self._newest: Command | None = None
+        self._await(0)
 
     def expect(self, stamp: int) -> None:
-        """Await the answer to the state with this stamp [ns]; going back in time forgets older commands."""
-        if stamp < self._awaited:
-            self._joiner.clear()
-            self._newest = None
-        self._awaited = stamp
-        self._answer, self.answered = None, False
+        """Await the answer to the state with this stamp [ns], the one after the state before."""
+        self._await(stamp)
 
     def take(self) -> Command | None:
         """The answer to the awaited stamp; None where it could not be used."""
@@ -62,44 +83,101 @@ class CommandPort:
         late, self._newest = self._newest, None
         return late
 
-    def _listen_part(self, index: int, topic: Topic) -> None:
+    def _await(self, stamp: int) -> None:
+        self._awaited = stamp
+        self._answer: Command | None = None
+        self.answered = self._invalid = False
+
+    def _listen_part(self, index: int, topic: Topic) -> Subscription:
         def on_part(raw: bytes) -> None:
+            mark, raw = self._marks.read(index, raw), self._marks.remove(index, raw)
             try:
                 stamp = self._codec.peek(index, raw)
             except SpaceRobotError as error:
-                self._refuse("malformed", topic, error)
+                self._refuse("malformed", topic, error, mark)
                 return
-            if self._in_time(stamp, topic):
-                joined = self._joiner.add(index, stamp, raw)
-                if joined is not None:
-                    self._take_in(stamp, joined, topic)
+            if not self._in_time(stamp, topic, raw, mark):
+                return
+            try:
+                blocks = self._codec.finite_blocks(index, raw)
+            except SpaceRobotError as error:
+                self._refuse("invalid", topic, error, mark)
+                self._wait_for_a_valid_one(stamp)
+                return
+            joined = self._joiner(mark).add(index, stamp, (raw, blocks))
+            if joined is not None:
+                self._take_in(stamp, joined)
 
-        self._node.listen(topic, on_part)
+        return self._node.listen(topic, on_part)
 
-    def _in_time(self, stamp: int, topic: Topic) -> bool:
-        if stamp > self._awaited:
-            self._refuse("future", topic, f"stamp {stamp} ns is ahead of the state at {self._awaited} ns")
-            return False
-        if stamp < self._awaited:
-            self.counts["late"] += 1
-            if not self._keep_late:
-                self._refuse("stale", topic, f"stamp {stamp} ns is older than the state at {self._awaited} ns")
-                return False
-        return True
+    def _joiner(self, mark: bytes) -> Joiner:
+        """Where the parts of one sender meet, so that two senders never make one command."""
+        joiner = self._joiners.get(mark)
+        if joiner is None:
+            # Of a message without a mark the two bytes may be anything, and different ones are no different senders.
+            mark = mark if self._sender(mark) else UNMARKED
+            joiner = self._joiners.get(mark)
+            if joiner is None:
+                joiner = StampJoiner(len(self._codec.topics), JOIN_CAPACITY, once=False)
+            self._joiners[mark] = joiner
+        return joiner
 
-    def _take_in(self, stamp: int, parts: tuple[bytes, ...], topic: Topic) -> None:
-        try:
-            command: Command | None = self._codec.decode(parts)
-        except SpaceRobotError as error:
-            self._refuse("invalid", topic, error)
-            command = None
+    def _sender(self, mark: bytes) -> str:
+        """Full name of the node with this mark; nothing: there is none."""
+        if mark not in self._senders and mark != UNMARKED and len(self._senders) < MAX_SENDERS:
+            self._senders[mark] = self._node.publishers_by_mark(self._codec.topics[0]).get(mark, "")
+        return self._senders.get(mark, "")
+
+    def _in_time(self, stamp: int, topic: Topic, raw: bytes, mark: bytes) -> bool:
         if stamp == self._awaited and not self.answered:
+            return True
+        if stamp > self._awaited:
+            self._refuse("future", topic, f"stamp {stamp} ns is ahead of the state at {self._awaited} ns", mark)
+            return False
+        self.counts["late"] += 1
+        known = self.accepted.parts(stamp)
+        if self._keep_late and known is None:
+            return True
+        # What is delivered twice, or answered twice alike, is refused without a word: nothing is lost with it.
+        again = known is not None and raw in known
+        what = "older than" if stamp < self._awaited else "another answer to"
+        why = f"stamp {stamp} ns is {what} the state at {self._awaited} ns"
+        self._refuse("stale", topic, why, mark, loud=not again)
+        return False
+
+    def _take_in(self, stamp: int, parts: Sequence[tuple[bytes, Sequence[bytes]]]) -> None:
+        command = self._codec.join(stamp, [blocks for _, blocks in parts])
+        if stamp == self._awaited and self.answered:
+            return
+        self.accepted.add(command, tuple([raw for raw, _ in parts]))
+        if stamp == self._awaited:
             self._answer, self.answered = command, True
             self._on_answer()
-        elif stamp < self._awaited and command is not None:
+        elif self._newest is None or stamp > self._newest.stamp:
             self._newest = command
 
-    def _refuse(self, what: str, topic: Topic, why: object) -> None:
+    def _wait_for_a_valid_one(self, stamp: int) -> None:
+        if stamp == self._awaited and not self.answered and not self._keep_late:
+            self._invalid = True
+            self._second_chance.reset()
+
+    def _hold(self) -> None:
+        """Nothing but an unusable answer came to the state at which the run stands, and no other node can answer."""
+        self._second_chance.cancel()
+        alone = all(reader.get_publisher_count() <= 1 for reader in self._readers)
+        if alone and self._invalid and not self.answered:
+            self.answered = True
+            self.accepted.add_none(self._awaited)
+            try:
+                self._on_answer()
+            except Exception as error:
+                self._node.fail(error)
+
+    def _refuse(self, what: str, topic: Topic, why: object, mark: bytes, *, loud: bool = True) -> None:
         self.counts[what] += 1
-        if self.counts[what] == 1:
-            self._node.get_logger().warning(f"refused a {what} message on {topic.name}: {why}")
+        if loud and what not in self._logged:
+            self._logged.add(what)
+            sender = self._sender(mark)
+            others = () if sender else self._senders.values()
+            senders = f"published by {sender}" if sender else self._node.senders(topic, others)
+            self._node.get_logger().warning(f"refused a message on {topic.name} as {what}: {why}; {senders}")

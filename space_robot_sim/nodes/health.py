@@ -12,9 +12,11 @@ from space_robot_msgs_py.errors import SilenceError
 from space_robot_msgs_py.interfaces import NANOSECONDS, PlantSample
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.diagnostics import Diagnostics
-from space_robot_msgs_py.topics import topics_of
+from space_robot_msgs_py.topics import RUN_END, TABLE
 
 DIAGNOSTICS_PERIOD = 1.0
+# What one node alone publishes in a run.
+WATCHED = tuple(topic for topic in TABLE if topic.kind != "tool" and topic is not RUN_END)
 RESIDUALS = ("momentum_residual", "energy_residual", "quaternion_residual")
 
 
@@ -101,6 +103,7 @@ class SimulatorHealth:
     def _publish(self, status: SimulatorStatus, progress: int, silence: float) -> None:
         counts = status.commands
         warnings = ["commands were refused or missed"] if sum(counts.values()) else []
+        warnings += [f"refused {name}" for name in sorted(self._node.refusals)]
         pace = progress / DIAGNOSTICS_PERIOD
         commands = {
             "tick": status.tick,
@@ -108,6 +111,7 @@ class SimulatorHealth:
             "realtime_factor": pace * status.period / NANOSECONDS,
             "silence_s": silence,
             **dict(sorted(counts.items())),
+            **{f"refused_{name}": float(count) for name, count in sorted(self._node.refusals.items())},
         }
         telemetry = status.sample.telemetry if status.sample is not None else None
         residuals = {name: float(abs(telemetry[name]).max()) for name in RESIDUALS} if telemetry is not None else {}
@@ -121,10 +125,14 @@ class SimulatorHealth:
         )
 
     def _rivals(self) -> list[str]:
-        """More than one publisher of commands: the first valid answer is flown, whosever it is."""
-        numbers = {topic.name: self._node.count_publishers(topic.name) for topic in topics_of("command")}
-        found = [f"{number} publishers of {name}" for name, number in numbers.items() if number > 1]
+        """Topics that more than one node publishes, with the nodes: one of them may be a stranger."""
+        found = []
+        for topic in WATCHED:
+            number = self._node.count_publishers(topic.name)
+            if number > 1:
+                names = self._node.publishing_nodes(topic)
+                found.append(f"{number} publishers of {topic.name} ({', '.join(names)})")
         if found and not self._warned:
             self._warned = True
-            self._node.get_logger().warning(f"{', '.join(found)}: the first valid answer to a state is flown")
+            self._node.get_logger().warning(f"{', '.join(found)}: of a command the first valid answer to a state acts")
         return found

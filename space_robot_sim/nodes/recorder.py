@@ -10,18 +10,32 @@ from rclpy.clock_type import ClockType
 from rclpy.subscription import Subscription
 from rclpy.time import Time
 
-from space_robot_msgs_py.codec.codecs import LOGGED, TopicBytes, decode_string, encode_clock
-from space_robot_msgs_py.errors import CommandError, LogError, SpaceRobotError
+from space_robot_msgs_py.codec.codecs import (
+    LOGGED,
+    CommandCodec,
+    TelemetryCodec,
+    TopicBytes,
+    decode_events,
+    decode_string,
+    encode_clock,
+    encode_events,
+)
+from space_robot_msgs_py.codec.sender_mark import SenderMark
+from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError
+from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
+from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
-from space_robot_msgs_py.topics import BASE_ODOM, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic
+from space_robot_msgs_py.topics import ACCEPTED_COMMAND, CONTROLLER_EVENTS, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic
+from space_robot_sim.nodes.credit import MAX_AHEAD
+from space_robot_sim.nodes.publishers import Publishers
+from space_robot_sim.nodes.tick_parts import COMMANDS, TickParts
 
-WINDOW = 50
-EARLY = 64
 # The simulator may be so many ticks ahead of what is on the disk. Where the recorder can die alone, no further than the
 # tick that is being recorded, or what it had heard would be lost with it.
-AHEAD_IN_ONE_PROCESS, AHEAD_BESIDE = 256, 0
+AHEAD_IN_ONE_PROCESS, AHEAD_BESIDE = MAX_AHEAD, 0
 ROLL_CALL_SECONDS = 0.02
 GRACE_SECONDS = 1.0
+WATCH_SECONDS = 1.0
 
 
 class TickWriter(Protocol):
@@ -43,8 +57,12 @@ class RecorderNode(GraphNode):
     The order in the file is by stamp, then by table, whatever the order of arrival: equal runs give equal files.
     Nothing is lost: the simulator starts when the recorder hears every topic (a controller of somebody else may have
     no telemetry: it gets a second) and never runs more than ``ahead`` ticks ahead of what is written, which is well
-    inside the depth of the queues. After ``~/reset`` a new log begins, once the first state of the new run is heard;
-    messages that overtook it are kept (``EARLY`` ticks).
+    inside the depth of the queues. When the simulator says that the run begins again a new log begins, and then the
+    simulator gets credit for the new run.
+
+    Once a command topic has more than one publisher the commands in the log are those that the simulator says it
+    accepted: which of two it heard first is known to it alone. A change of the nodes that publish a topic of a tick is
+    logged as an event.
 
     Args:
         open_writer: gives the writer of the k-th log of this run, k = 0 first.
@@ -52,7 +70,7 @@ class RecorderNode(GraphNode):
         period: control period [ns].
         steps: number of periods of the run; the log ends with tick ``steps``.
         lossless: every topic there is will speak at every stamp (lock-step); False: a stamp may miss some (paced), it
-            is then written after ``WINDOW`` ticks as it is; a topic whose publisher comes later is expected from then.
+            is then written as it is, some ticks later; a topic whose publisher comes later is expected from then.
         ahead: ticks that the simulator may be ahead of the log; 0: state k comes when tick k - 1 is in the log.
         optional: the optional topics of this run, whose publishers have to be there, too.
         options: see GraphNode.
@@ -75,38 +93,53 @@ class RecorderNode(GraphNode):
         self._open_writer, self._logs = open_writer, 0
         self._writer = open_writer(0)
         self._period, self._last = period, steps * period
-        self._next = 0
-        self._newest_state = -1
+        self._parts = TickParts(period, steps)
         self.lossless, self._ahead = lossless, ahead
-        self._early: dict[int, dict[Topic, bytes]] = {}
         self._urdf: str | None = None
-        self._pending: dict[int, dict[Topic, bytes]] = {}
-        self._expected = {topic for topic in LOGGED if not topic.sporadic}
         self._canonical = TopicBytes(joint_names)
         self.closed = False
         self.heard = 0
         self.gaps = 0
-        self.malformed = 0
+        self._commands, self._accepted = CommandCodec(joint_names), TelemetryCodec(ACCEPTED_COMMAND)
+        self._marks = SenderMark(self._commands.layouts)
         self.listen(ROBOT_DESCRIPTION, self._on_description)
         heard = [topic for topic in LOGGED if not topic.optional or topic in optional]
         listeners = {topic: self._listen_recorded(topic) for topic in heard}
-        self._readers = {topic: one for topic, one in listeners.items() if topic in {*self._expected, *optional}}
+        required = {*self._parts.expected, *optional}
+        self._required = {topic: reader for topic, reader in listeners.items() if topic in required}
+        # Of the handles themselves: they are asked at every tick.
+        self._command_counts = [listeners[topic].handle.get_publisher_count for topic in self._commands.topics]
+        self._speakers = Publishers(self, heard)
+        self._news: list[dict[str, Any]] = []
         self._credit_publisher = self.publisher(RECORDER_CREDIT)
         self._given = -1
         self._clock_of_calls = Clock(clock_type=ClockType.STEADY_TIME)
         self._present_since: Time | None = None
         self._started = False
         self._roll_call = self.create_timer(ROLL_CALL_SECONDS, self._call_roll, clock=self._clock_of_calls)
+        self._watch = self.create_timer(
+            WATCH_SECONDS, self._watch_publishers, clock=self._clock_of_calls, autostart=False
+        )
+
+    @property
+    def begun(self) -> bool:
+        """True when the plant was heard."""
+        return self._parts.reached >= 0 or self._logs > 0
+
+    @property
+    def malformed(self) -> int:
+        """How many messages were not recorded because they do not fit."""
+        return sum(self.refusals[topic.name] for topic in LOGGED)
 
     @property
     def complete(self) -> bool:
         """True when the last tick of the run is written."""
-        return self._next > self._last
+        return self._parts.next > self._last
 
     @property
     def written_until(self) -> int:
         """Stamp of the newest tick in the log [ns]; -1: none."""
-        return self._next - self._period if self._next else -1
+        return self._parts.next - self._period if self._parts.next else -1
 
     def finish(self, reason: str) -> str:
         """Write what is left of the ticks the robot reached and close the log; later calls do nothing.
@@ -117,9 +150,8 @@ class RecorderNode(GraphNode):
         if not self.closed and not isinstance(self.failure, LogError):
             self.closed = True
             try:
-                for stamp in sorted(self._pending):
-                    if stamp <= self._newest_state:
-                        self._write(stamp)
+                for stamp, parts in self._parts.rest():
+                    self._write(stamp, parts)
                 self._writer.close(reason)
             except LogError as error:
                 self.fail(error)
@@ -128,10 +160,10 @@ class RecorderNode(GraphNode):
 
     def _call_roll(self) -> None:
         """Let the run start once every required topic has a publisher and the optional ones had their second."""
-        absent = {topic for topic, reader in self._readers.items() if reader.get_publisher_count() == 0}
+        absent = {topic for topic, reader in self._required.items() if reader.get_publisher_count() == 0}
         if self._started:
             # Paced: a controller that appears later is waited for from then on.
-            self._expected |= {topic for topic in self._readers.keys() - absent if not topic.sporadic}
+            self._parts.expected |= {topic for topic in self._required.keys() - absent if not topic.sporadic}
             return
         optional = {"controller_telemetry"} if self.lossless else {"controller_telemetry", "command", "reference"}
         if any(topic.kind not in optional for topic in absent):
@@ -141,87 +173,131 @@ class RecorderNode(GraphNode):
         self._present_since = self._present_since or now
         if absent and (now - self._present_since).nanoseconds < GRACE_SECONDS * 1e9:
             return
-        self._expected -= absent
+        self._parts.expected -= absent
         self._started = True
+        self._watch_publishers()
+        self._watch.reset()
         if self.lossless:
             self._roll_call.cancel()
         self._give_credit()
 
     def _give_credit(self) -> None:
         """Half of what was given is still unused when the next comes: nobody waits for it."""
-        reach = self._next + self._ahead * self._period
+        reach = self._parts.next + self._ahead * self._period
         if reach >= self._given + self._ahead // 2 * self._period:
             self._given = reach
             self._credit_publisher.publish(encode_clock(reach))
 
     def _listen_recorded(self, topic: Topic) -> Subscription:
+        part = self._commands.topics.index(topic) if topic in COMMANDS else None
+
         def on_message(raw: bytes) -> None:
             self.heard += 1
-            if self.closed:
+            if self.closed or (part is not None and self._parts.contested):
                 return
             try:
+                if part is not None:
+                    raw = self._marks.remove(part, raw)
                 stamp, data = self._canonical.read(topic, raw)
             except SpaceRobotError as error:
-                self._refuse(topic, error)
+                self.refuse(topic, error)
                 return
-            if stamp % self._period == 0 and 0 <= stamp <= self._last:
-                self._take_in(topic, stamp, data)
-            else:
-                self._refuse(topic, CommandError("not a tick of this run", key=topic.name, value=f"{stamp} ns"))
+            self._take_in(topic, stamp, data)
 
         return self.listen(topic, on_message)
 
-    def _refuse(self, topic: Topic, error: Exception) -> None:
-        self.malformed += 1
-        if self.malformed == 1:
-            self.get_logger().warning(f"not recorded, a message on {topic.name}: {error}")
+    def _on_accepted(self, raw: bytes) -> None:
+        """Only once the command topics are contested: what the simulator took."""
+        self.heard += 1
+        if self.closed:
+            return
+        try:
+            telemetry = self._accepted.decode((raw,))
+            wrench, effort = telemetry["wrench"], telemetry["effort"]
+            parts = self._commands.encode(Command(telemetry.stamp, wrench, effort)) if wrench.size else ()
+        except SpaceRobotError as error:
+            self.refuse(ACCEPTED_COMMAND, error)
+            return
+        if not parts:
+            self._parts.hold(telemetry.stamp)
+            self._write_complete()
+        for topic, data in zip(self._commands.topics, parts, strict=False):
+            self._take_in(topic, telemetry.stamp, data)
 
     def _on_description(self, raw: bytes) -> None:
-        if self._urdf is None:
+        if self._urdf is not None:
+            return
+        try:
             self._urdf = decode_string(raw)
-            self._writer.write_description(self._urdf)
-            self._write_complete()
+        except LayoutError as error:
+            self.refuse(ROBOT_DESCRIPTION, error)
+            return
+        self._writer.write_description(self._urdf)
+        self._write_complete()
 
     def _take_in(self, topic: Topic, stamp: int, data: bytes) -> None:
-        if topic is BASE_ODOM:
-            if stamp < self._newest_state:
-                self._start_new_log()
-            self._newest_state = stamp
-        if stamp < self._next:
-            if stamp < EARLY * self._period:
-                self._early.setdefault(stamp, {})[topic] = data
+        refusal = self._parts.take(topic, stamp, data)
+        if refusal is None:
             return
-        parts = self._pending.setdefault(stamp, {})
-        parts[topic] = data
-        # The count first: it is nearly always the answer, and every message asks.
-        if len(parts) >= len(self._expected) or not self.lossless:
+        if refusal:
+            self.refuse(topic, refusal)
+        else:
             self._write_complete()
 
     def _write_complete(self) -> None:
-        if self._urdf is None:
-            return
-        while self._has_all(self._pending.get(self._next)):
-            self._write(self._next)
-        while not self.lossless and self._newest_state >= self._next + WINDOW * self._period:
-            self.gaps += 1
-            self._write(self._next)
+        while (complete := self._parts.complete()) or (not self.lossless and self._parts.over()):
+            if self._urdf is None:
+                return
+            # Whatever is in a complete tick came from publishers that are known by now.
+            if not self._parts.contested and self._has_rivals():
+                self._contest()
+            else:
+                self.gaps += not complete
+                self._write(*self._parts.pop())
 
-    def _has_all(self, parts: dict[Topic, bytes] | None) -> bool:
-        return parts is not None and parts.keys() >= self._expected
+    def _has_rivals(self) -> bool:
+        wrench, joints = self._command_counts
+        return bool(wrench() > 1 or joints() > 1)
 
-    def _write(self, stamp: int) -> None:
-        parts = self._pending.pop(stamp, {})
+    def _contest(self) -> None:
+        """More than one node commands: from the next tick on, the log has what the simulator accepted."""
+        self._parts.contest()
+        self.listen(ACCEPTED_COMMAND, self._on_accepted)
+        self._watch_publishers()
+
+    def _watch_publishers(self) -> None:
+        """Log which nodes publish a topic where that has changed, with the next tick."""
+        try:
+            for topic, nodes in self._speakers.changes():
+                self.get_logger().warning(f"{topic.name} is now published by {', '.join(nodes)}")
+                self._news.append({"topic": topic.name, "nodes": nodes})
+        except Exception as error:
+            self.fail(error)
+
+    def _write(self, stamp: int, parts: dict[Topic, bytes]) -> None:
+        if self._news:
+            self._add_news(stamp, parts)
         self._writer.write_tick(stamp, parts)
-        self._next = stamp + self._period
         self._give_credit()
 
-    def _start_new_log(self) -> None:
+    def _add_news(self, stamp: int, parts: dict[Topic, bytes]) -> None:
+        news = [ControllerEvent(stamp, PUBLISHERS, content) for content in self._news]
+        own = decode_events(parts[CONTROLLER_EVENTS]) if CONTROLLER_EVENTS in parts else ()
+        parts[CONTROLLER_EVENTS] = encode_events([*news, *own])
+        self._news = []
+
+    def begin_again(self) -> None:
         """The plant was reset: what is complete stays in its log, the new run gets its own."""
+        if self.end_reason is not None:
+            return
         self.finish("reset")
+        if self.failure is not None:
+            return
         self._logs += 1
         self._writer = self._open_writer(self._logs)
-        self._pending, self._early = self._early, {}
-        self._newest_state, self._next, self._given, self.closed = -1, 0, -1, False
-        self._give_credit()
+        self._parts.begin_again()
+        self._given, self.closed = -1, False
         if self._urdf is not None:
             self._writer.write_description(self._urdf)
+        if self._started:
+            self._give_credit()

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
+from uuid import uuid4
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
 from space_robot_msgs_py.codec.codecs import encode_clock, encode_string
-from space_robot_msgs_py.errors import SilenceError
+from space_robot_msgs_py.errors import CommandError, SilenceError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
-from space_robot_msgs_py.topics import CLOCK, ROBOT_DESCRIPTION, TABLE, Topic
+from space_robot_msgs_py.run_messages import RunBegin, encode_begin
+from space_robot_msgs_py.topics import CLOCK, ROBOT_DESCRIPTION, RUN_BEGIN, TABLE, Topic
 from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.pacing import Pacer
 from space_robot_sim.nodes.services import RunServices, StepGate
@@ -76,6 +79,8 @@ class ReplayerNode(GraphNode):
         self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=False) if rate is None else None
         self.pacer = None if rate is None else Pacer(self, period / rate, self._on_period)
         self._steering = RunServices(self)
+        self._run = RunBegin(uuid4().hex[:16], -1)
+        self._begin_publisher = self.publisher(RUN_BEGIN)
         self._steady, self._seen = Clock(clock_type=ClockType.STEADY_TIME), -1
         self._since = self._steady.now()
         self._watchdog = self.create_timer(WATCH_SECONDS, self._watch, clock=self._steady)
@@ -105,7 +110,18 @@ class ReplayerNode(GraphNode):
             self._on_answer()
 
     def reset(self) -> None:
-        """Begin again with the first tick."""
+        """Begin again with the first tick; every node is told.
+
+        Raises:
+            CommandError: the run is over.
+        """
+        if self.end_reason is not None:
+            raise CommandError("the run is over", key="~/reset", value=self.end_reason, accepted="a run in progress")
+        self._run = replace(self._run, number=self._run.number + 1)
+        self.runs[self._run.run] = self._run.number
+        self._begin_publisher.publish(encode_begin(self._run))
+        if self.commands is not None:
+            self.commands.restart()
         if self.pacer is not None:
             self.pacer.restart()
         self._show(0)

@@ -7,6 +7,8 @@ from typing import Protocol
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
+from space_robot_msgs_py.errors import SpaceRobotError
+
 
 class Steerable(Protocol):
     """What the services steer."""
@@ -26,7 +28,11 @@ class Steerable(Protocol):
         """Take one step while paused."""
 
     def reset(self) -> None:
-        """Start again."""
+        """Start again.
+
+        Raises:
+            SpaceRobotError: it cannot.
+        """
 
 
 class StepGate:
@@ -90,7 +96,11 @@ class RunServices:
         return response
 
     def _reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._run.reset()
+        try:
+            self._run.reset()
+        except SpaceRobotError as error:
+            response.success, response.message = False, str(error)
+            return response
         response.success = True
-        response.message = "back at the initial state, 0 ns"
+        response.message = "at the initial state, 0 ns"
         return response

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from typing import Any
+from uuid import uuid4
 
 from rclpy.duration import Duration
 
 from space_robot_msgs_py.codec.codecs import (
     StateCodec,
     TelemetryCodec,
-    decode_clock,
     encode_clock,
     encode_statuses,
     encode_string,
     plant_events,
 )
+from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
-from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, Topic
+from space_robot_msgs_py.run_messages import RunBegin, encode_begin
+from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
 from space_robot_sim.nodes.command_port import CommandPort
+from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import RunServices, StepGate
@@ -41,7 +45,8 @@ class SimulatorNode(ManagedNode):
     valid one or the plant's hold, and both are counted. The factor is the dynamic parameter ``realtime``. It waits
     for a recorder that does not keep up.
 
-    Deactivated, time stands still; after cleanup the plant is built anew and the run starts again.
+    Deactivated, time stands still; after cleanup the plant is built anew and the run starts again. Every start is
+    announced on ``run_begin``, and a recorder gives new credit for it: what the run before was given counts no more.
 
     Args:
         make_plant: builds the true robot, each time the node is configured.
@@ -82,13 +87,22 @@ class SimulatorNode(ManagedNode):
         self.sample: PlantSample | None = None
         self.started = False
         self.on_tick: Callable[[int], None] = lambda tick: None
+        self._gate = StepGate()
+        self._run = RunBegin(uuid4().hex[:16], 0)
+        self.runs[self._run.run] = 0
+        # What comes while it is not configured is heard: nothing is sent twice.
+        self._begin_publisher = self.publisher(RUN_BEGIN)
+        self._credit = Credit(self)
+        self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=realtime is not None)
+        self.listen(RECORDER_CREDIT, self._on_credit)
+        self.keep()
 
     def configure(self) -> None:
         """Build the plant and listen; time stands still until it is activated."""
         self._plant = self._make_plant()
-        self.sample, self.tick, self.started = self._plant.reset(), 0, False
         self._gate = StepGate()
-        self._credit = -1 if self._recorded else self._steps * self._period
+        self.commands.counts.clear()
+        self._set_back(self._plant.reset())
         self._state_publishers = [self.publisher(topic) for topic in self._states.topics]
         self._telemetry_publisher = self.publisher(PLANT_TELEMETRY)
         self._event_publishers = {one: self.publisher(one) for one in self._optional if one.kind == "plant_event"}
@@ -96,16 +110,13 @@ class SimulatorNode(ManagedNode):
         self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
         self._description_publisher.publish(encode_string(self._urdf))
         self._transforms = TransformPublisher(self, self._urdf, self._joint_names)
-        paced = self._realtime is not None
-        self.commands = CommandPort(self, self._joint_names, self._on_answer, keep_late=paced)
         self.pacer = Pacer(self, self._period / self._realtime, self._on_period) if self._realtime else None
         self.parameters.declare([realtime_row(self._realtime)])
         self._steering = RunServices(self)
         self._health = SimulatorHealth(self, self._status, self._patience)
-        self.listen(RECORDER_CREDIT, self._on_credit)
 
     def activate(self) -> None:
-        """Start as soon as the recorder hears everybody, or go on."""
+        """Start as soon as the recorder hears every node, or go on."""
         if self.pacer is not None:
             self.pacer.restart()
         self._start()
@@ -122,7 +133,13 @@ class SimulatorNode(ManagedNode):
             SpecError: not a number within the bounds of the parameter.
         """
         if self.pacer is not None:
-            self.pacer.pace(self._period / checked_factor(changes[REALTIME]))
+            self._realtime = checked_factor(changes[REALTIME])
+            self.pacer.pace(self._period / self._realtime)
+
+    @property
+    def begun(self) -> bool:
+        """True when the first state is out."""
+        return self.started
 
     @property
     def period(self) -> int:
@@ -150,32 +167,54 @@ class SimulatorNode(ManagedNode):
         self._on_answer()
 
     def reset(self) -> None:
-        """Back to the initial state and stamp 0; what is in flight from before is refused as out of date."""
-        self.tick = 0
-        self.commands.expect(0)
-        self._begin(self._plant.reset())
+        """Back to the initial state and stamp 0; what is in flight from before is refused as out of date.
+
+        At tick 0 there is nothing to go back from; steps that were granted and not taken are forgotten.
+
+        Raises:
+            CommandError: the run is over.
+        """
+        if self.end_reason is not None:
+            raise CommandError("the run is over", key="~/reset", value=self.end_reason, accepted="a run in progress")
+        self._gate.pause(self.paused)
+        if self.tick > 0:
+            self._set_back(self._plant.reset())
+            self._start()
+
+    def hear_begin(self, begin: RunBegin) -> None:
+        """Only its own run is this node's."""
+        if begin.run != self._run.run:
+            self.refuse(RUN_BEGIN, f"a second simulator; this run is {self._run.run}, that one {begin.run}")
 
     def _status(self) -> SimulatorStatus:
         standing = self.paused or not self.active or self.end_reason is not None
         counts = self.commands.counts
+        self.commands.accepted.look()
         unrecorded = self.started and self._outruns_recorder() and self.commands.answered
         return SimulatorStatus(
             self.tick, self.stamp, self._period, self.started, standing, unrecorded, self.sample, counts
         )
 
+    def _set_back(self, sample: PlantSample) -> None:
+        """Begin a run, which is told to all nodes; the first one of this node is waited for by its recorder anyway."""
+        if self.started:
+            self._run = replace(self._run, number=self._run.number + 1)
+            self.runs[self._run.run] = self._run.number
+            self._credit.restart()
+        self.sample, self.tick, self.started = sample, 0, False
+        self.commands.restart()
+        self._begin_publisher.publish(encode_begin(self._run))
+
     def _on_credit(self, raw: bytes) -> None:
-        self._credit = max(self._credit, decode_clock(raw))
-        self._start()
-        self._on_answer()
+        if self._recorded and self._credit.take(raw, self.stamp, self._period) and self.configured:
+            self._start()
+            self._on_answer()
 
     def _start(self) -> None:
-        if self.active and not self.started and self._credit >= 0 and self.sample is not None:
-            self._begin(self.sample)
-
-    def _begin(self, sample: PlantSample) -> None:
-        if self.pacer is not None:
-            self.pacer.restart()
-        self._show(sample)
+        if self.active and not self.started and self.sample is not None and (self._credit.given or not self._recorded):
+            if self.pacer is not None:
+                self.pacer.restart()
+            self._show(self.sample)
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
@@ -209,7 +248,7 @@ class SimulatorNode(ManagedNode):
 
     def _outruns_recorder(self) -> bool:
         """The next state would be further ahead of the log than the recorder allows; a paced run waits, too."""
-        return self.tick < self._steps and self.stamp + self._period > self._credit
+        return self._recorded and self.tick < self._steps and self.stamp + self._period > self._credit.until
 
     def _advance(self, command: Command | None) -> None:
         if self.tick == self._steps:

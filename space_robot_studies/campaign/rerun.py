@@ -12,7 +12,7 @@ from space_robot_studies.campaign.directory import begun_campaign, campaign_rows
 
 
 def case_experiment(directory: Path, index: int, *, allow_code: bool = False) -> Experiment:
-    """The experiment of a case; the directory may be somebody else's, so it brings no code and names no file.
+    """The experiment of a case; the directory may come from a third party, so it brings no code and names no file.
 
     Args:
         directory: of the campaign, finished or not.

@@ -60,16 +60,7 @@ def compare(
     time_limit: float = TIME_LIMIT,
     hooks: StudyHooks | None = None,
 ) -> ComparisonResult:
-    """Run campaigns that vary the law, and put what each law did side by side.
-
-    Args:
-        campaigns: shipped names or YAML files.
-        directory: new or empty, or to resume.
-        runs: per point of the grid; None: what the files say.
-        workers: number of processes; None: one per core.
-        resume: go on with what is in the directory.
-        time_limit: [s] of CPU time of a run; ten times as much may elapse.
-        hooks: progress and early end.
+    """Run campaigns into a directory and put their laws side by side; options as of ``space_robot.compare``.
 
     Raises:
         SpaceRobotError: something is wrong with the input; nothing was written.

@@ -123,7 +123,7 @@ def _check(client: Client) -> None:
     try:
         found: dict[str, dict[str, str]] = client.run(versions)
     except Exception as error:
-        # Whatever a worker without our packages makes of the request.
+        # Whatever a worker without the packages makes of the request.
         what = f"cannot run this ({type(error).__name__}: {error})"
         raise SpecError(what, key="workers", accepted="some with the same space-robot installed") from None
     for worker, there in found.items():

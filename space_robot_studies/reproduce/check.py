@@ -13,7 +13,7 @@ from space_robot_studies.reproduce.manifest import Chart, Claim, Drawing, Figure
 from space_robot_studies.reproduce.measures import select
 from space_robot_studies.reproduce.names import Vocabulary
 from space_robot_studies.reproduce.plan import Plan, PlannedRun, Runs
-from space_robot_studies.reproduce.quantities import Asked, Measure, Number
+from space_robot_studies.reproduce.quantities import Measure, Number, Wanted
 
 
 def check_plan(plan: Plan, figures: Iterable[str], time_limit: float = TIME_LIMIT) -> None:
@@ -126,7 +126,7 @@ class _FigureCheck:
         if (partners := measure.only_if) is not None:
             self._check_number(partners, self._of(partners.groups, f"{key}.only_if.of"), f"{key}.only_if")
 
-    def _check_number(self, number: Asked, runs: Sequence[PlannedRun], key: str) -> None:
+    def _check_number(self, number: Wanted, runs: Sequence[PlannedRun], key: str) -> None:
         if number.timing is not None:
             timed = self._figure.timing.of if self._figure.timing else ()
             for run in runs:

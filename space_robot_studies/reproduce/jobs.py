@@ -9,7 +9,7 @@ from space_robot_studies.engine.journal import bag_path
 from space_robot_studies.reproduce.manifest import MAX_KEPT, Figure
 from space_robot_studies.reproduce.measures import select
 from space_robot_studies.reproduce.plan import DistinctRun, Plan, PlannedRun
-from space_robot_studies.reproduce.quantities import Asked, Quantity
+from space_robot_studies.reproduce.quantities import Quantity, Wanted
 from space_robot_studies.reproduce.run import Job, Keep
 
 
@@ -42,7 +42,7 @@ def job_of(plan: Plan, figures: Sequence[str], run: DistinctRun, directory: Path
     return Job(run.argument, run.overrides, place, tuple(quantities), tuple(curves), keep)
 
 
-def _numbers(figure: Figure, runs: Sequence[PlannedRun], run: DistinctRun) -> Iterator[Asked]:
+def _numbers(figure: Figure, runs: Sequence[PlannedRun], run: DistinctRun) -> Iterator[Wanted]:
     """Every number of a run that a figure needs."""
     mine = {planned.group for planned in runs if planned.distinct is run}
     for chart in (*figure.charts, *figure.grids):

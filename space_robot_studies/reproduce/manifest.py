@@ -51,16 +51,16 @@ class RunGroup(Strict):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if bool(self.experiment) == bool(self.campaign):
-            raise ValueError("say experiment or campaign")
+            raise ValueError("give experiment or campaign")
         drawn = bool(self.disperse) or "seed" in self.model_fields_set
         if self.campaign and (self.vary or self.seed_list or drawn):
-            raise ValueError("a campaign has its own grid, seeds and draws: say runs and where")
+            raise ValueError("a campaign has its own grid, seeds and draws: give runs and where")
         if self.experiment and self.where:
             raise ValueError("where belongs to a campaign")
         if self.experiment and not self.disperse and (self.runs is not None or drawn):
             raise ValueError("runs and seed belong to disperse, or to a campaign")
         if self.disperse and self.runs is None and not self.seed_list:
-            raise ValueError("with disperse: say runs or seeds")
+            raise ValueError("with disperse: give runs or seeds")
         return self
 
     @model_validator(mode="after")

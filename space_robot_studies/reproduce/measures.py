@@ -94,10 +94,10 @@ def paired(
     return [pair for pair in chosen if _all_have(measure.only_if, pair[0].seed, runs, bounds)]
 
 
-def _all_have(asked: Partners, seed: int, runs: Sequence[FinishedRun], bounds: Bounds) -> bool:
-    partners = [(run.group, data) for run, data in runs if run.group in asked.groups and run.seed == seed]
-    everywhere = {group for group, _ in partners} == set(asked.groups)
-    return everywhere and all(data.number(asked.quantity, bounds) is not None for _, data in partners)
+def _all_have(wanted: Partners, seed: int, runs: Sequence[FinishedRun], bounds: Bounds) -> bool:
+    partners = [(run.group, data) for run, data in runs if run.group in wanted.groups and run.seed == seed]
+    everywhere = {group for group, _ in partners} == set(wanted.groups)
+    return everywhere and all(data.number(wanted.quantity, bounds) is not None for _, data in partners)
 
 
 def reduce(number: Number, runs: Sequence[FinishedRun], bounds: Bounds) -> Measured:

@@ -26,7 +26,7 @@ class Words:
 
     metrics: tuple[str, ...]
     signals: tuple[str, ...]
-    law_tells: bool
+    law_labels: bool
 
 
 class Vocabulary:
@@ -105,7 +105,7 @@ class Vocabulary:
         """
         for run in runs:
             words = self._of_run[run.distinct.name]
-            if words.law_tells or not name.startswith(LAW_SIGNALS):
+            if words.law_labels or not name.startswith(LAW_SIGNALS):
                 _check("signal", name, words.signals, run, key)
 
 
@@ -117,10 +117,10 @@ def words_of(experiment: Experiment, answered: bool = True) -> Words:
         answered: the law answers the first state, to show its telemetry.
     """
     composition = compose(experiment)
-    flying = composition.nominal.base_mode == "free_flying"
-    metrics = metric_names(composition.joint_names, base_translation=flying)
-    signals, law_tells = signal_names(composition, answered=answered)
-    return Words((*OUTCOMES, *metrics), tuple(signals), law_tells)
+    free_flying = composition.nominal.base_mode == "free_flying"
+    metrics = metric_names(composition.joint_names, base_translation=free_flying)
+    signals, law_labels = signal_names(composition, answered=answered)
+    return Words((*OUTCOMES, *metrics), tuple(signals), law_labels)
 
 
 def _check(kind: str, name: str, names: Collection[str], run: PlannedRun, key: str) -> None:

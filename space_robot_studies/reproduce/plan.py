@@ -193,8 +193,8 @@ class _Planner:
             words = [Path(argument).stem, *_words({**group.set, **labels})]
             distinct = self._distinct(argument, values, words, key)
             seed = {"seed": distinct.experiment.seed}
-            told_apart = {path: value for path, value in labels.items() if len(axes[path]) > 1}
-            runs.append(PlannedRun(run_label(label, told_apart), label, {**seed, **group.set, **labels}, distinct))
+            distinguished = {path: value for path, value in labels.items() if len(axes[path]) > 1}
+            runs.append(PlannedRun(run_label(label, distinguished), label, {**seed, **group.set, **labels}, distinct))
         return tuple(runs)
 
     def _cases(self, label: str, group: RunGroup, key: str) -> Iterator[PlannedRun]:

@@ -34,7 +34,7 @@ class Quantity:
         return f"{self.take} of {self.signal}{bound}{since}{until}"
 
 
-class Asked(Strict):
+class Wanted(Strict):
     """A number of a run: what it is."""
 
     metric: str | None = Field(default=None, description="a metric of the run, or completed, or diverged")
@@ -52,7 +52,7 @@ class Asked(Strict):
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
         if [self.metric, self.signal, self.timing].count(None) != 2:
-            raise ValueError("say metric, signal or timing")
+            raise ValueError("give metric, signal or timing")
         if (self.signal is None) != (self.take is None):
             raise ValueError("signal and take belong together")
         if (self.take == "settled") != (self.below is not None):
@@ -65,12 +65,12 @@ class Asked(Strict):
 
     @property
     def quantity(self) -> Quantity:
-        """What is asked of each run."""
+        """What is taken of each run."""
         metric = f"cycle_time.{self.timing}" if self.timing else self.metric or ""
         return Quantity(metric, self.signal or "", self.take or "", self.after, self.before, self.below or 0.0)
 
 
-class Number(Asked):
+class Number(Wanted):
     """A number over runs: what it is of each, and how many become one."""
 
     reduce: Reductions | None = Field(
@@ -81,7 +81,7 @@ class Number(Asked):
     )
 
 
-class OfGroups(Asked):
+class OfGroups(Wanted):
     """A number of the runs of some groups."""
 
     of: str | Texts = Field(description="group, or groups")

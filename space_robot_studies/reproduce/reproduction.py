@@ -140,8 +140,8 @@ def _check_directory(directory: Path) -> None:
     try:
         if (directory / CAMPAIGN).exists():
             raise SpecError("holds a campaign", key="--out", value=str(directory), accepted=accepted)
-        ours = any((directory / name).exists() for name in (RUNS, CLAIMS))
-        free = not directory.exists() or (directory.is_dir() and (ours or not any(directory.iterdir())))
+        resumable = any((directory / name).exists() for name in (RUNS, CLAIMS))
+        free = not directory.exists() or (directory.is_dir() and (resumable or not any(directory.iterdir())))
     except SpecError:
         raise
     except (OSError, ValueError) as error:

@@ -57,8 +57,8 @@ class Job:
             experiment: what is run.
             robot: content of its robot file.
         """
-        asked = [[asdict(quantity) for quantity in self.quantities], self.curves, self.keep]
-        content = [experiment.model_dump_json(), dict(robot), *asked]
+        wanted = [[asdict(quantity) for quantity in self.quantities], self.curves, self.keep]
+        content = [experiment.model_dump_json(), dict(robot), *wanted]
         return hashlib.sha256(json.dumps(content, sort_keys=True, default=str).encode()).hexdigest()
 
 
@@ -104,7 +104,7 @@ def _look(job: Job, composition: Composition, sink: MemorySink) -> RunData:
         broken=tuple(check.name for check in checks if check.name in PLANT_BOUNDS and not check.passed),
         metrics=metrics.flat(),
         largest=_largest(signals),
-        taken={asked: take(asked, arrays.time, signals.of(asked.signal)) for asked in job.quantities},
+        taken={wanted: take(wanted, arrays.time, signals.of(wanted.signal)) for wanted in job.quantities},
         time=arrays.time[drawn],
         curves={name: signals.of(name)[drawn] for name in job.curves},
     )

@@ -100,7 +100,7 @@ class RunData:
             broken=tuple(columns["broken"]),
             metrics={name: _number(text) for name, text in columns["metrics"].items()},
             largest={name: float(text) for name, text in columns["largest"].items()},
-            taken={Quantity(**asked): _number(text) for asked, text in columns["taken"]},
+            taken={Quantity(**wanted): _number(text) for wanted, text in columns["taken"]},
             time=_vector(columns["time"]),
             curves={name: _vector(text) for name, text in columns["curves"].items()},
             warnings=tuple(columns["warnings"]),

@@ -41,7 +41,7 @@ def signal_names(composition: Composition, *, answered: bool = True) -> tuple[li
       geodesic; ``tool.position_error`` [m], ``tool.attitude_error`` [deg] of a robot that has a tool;
     - ``base.error_quaternion`` (vector part, inertial axes), ``command.force | torque | effort``,
       ``controller.<label>``, ``plant.<label>``: the norm, or one element ``[i]``;
-    - ``truth | prior | estimate | mismatch/<body>/<parameter>``: of the robot that flies (a capture changes it), the
+    - ``truth | prior | estimate | mismatch/<body>/<parameter>``: of the true robot (a capture changes it), the
       nominal one, the law's telemetry, and estimate minus truth.
 
     A law that has no answer even to the first state shows nothing; the names of its telemetry are not known then.

@@ -199,11 +199,11 @@ def _inside(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def _not_served() -> Iterator[None]:
-    """What would serve, fly or wait until Ctrl-C loads what it needs and ends."""
+    """What would serve, run or wait until Ctrl-C loads what it needs and ends."""
     with (
         patch("space_robot_report.viewer.serve.serve"),
         patch("space_robot_report.viewer.stage.viser", None),
-        patch("space_robot_cli.main._fly", side_effect=SpaceRobotError("not flown here")),
+        patch("space_robot_cli.main._run", side_effect=SpaceRobotError("not run here")),
         patch("webbrowser.open"),
     ):
         yield

@@ -35,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
     rng, bad = random.Random(options.seed), 0
     print(f"seed {options.seed}, {os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}")
     print(
-        f"{'victim':<12}{'pace':<12}{'kills':>6}{'end [s] median, max':>22}{'told [s] max':>14}{'lost max':>10}  wrong"
+        f"{'victim':<12}{'pace':<12}{'kills':>6}{'end [s] median, max':>22}{'order [s] max':>14}{'lost max':>10}  wrong"
     )
     for victim in options.victims:
         for pace in options.paces:
@@ -56,7 +56,7 @@ def faults(found: Remains, realtime: float | None, limit: float) -> list[str]:
     """What is not as it should be."""
     allowed = LOST_IN_LOCK_STEP
     if realtime is not None:
-        # The clock goes on until the simulator is told, or hears nothing any more itself.
+        # The clock goes on until the simulator is notified, or hears nothing any more itself.
         allowed += int(found.seconds * realtime / PERIOD)
     checks = {
         f"took {found.seconds:.2f} s": found.seconds <= limit,
@@ -71,8 +71,8 @@ def faults(found: Remains, realtime: float | None, limit: float) -> list[str]:
 
 def _row(victim: str, pace: str, remains: list[Remains], wrong: list[str]) -> str:
     ends = [found.seconds for found in remains]
-    told = [found.decided for found in remains if found.decided is not None]
-    said = f"{max(told):.3f}" if told else "-"
+    ordered = [found.decided for found in remains if found.decided is not None]
+    said = f"{max(ordered):.3f}" if ordered else "-"
     lost = max(found.lost for found in remains)
     span = f"{median(ends):.2f}, {max(ends):.2f}"
     return f"{victim:<12}{pace:<12}{len(remains):>6}{span:>22}{said:>14}{lost:>10}  {'; '.join(wrong) or 'nothing'}"

@@ -1,4 +1,4 @@
-"""What goes wrong with data: values nobody expects, trees with something replaced, bytes with something lost."""
+"""What goes wrong with data: unexpected values, trees with something replaced, bytes with something lost."""
 
 from __future__ import annotations
 

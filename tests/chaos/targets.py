@@ -26,7 +26,7 @@ from space_robot_bringup.logs.info import bag_info
 from space_robot_bringup.logs.logged import compose_logged
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_bringup.replay.publish import open_broadcast
-from space_robot_bringup.replay.replay import Order, replay
+from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_cli import main as cli
 from space_robot_description.load import load_robot, robot_path
 from space_robot_description.share import config_dir
@@ -67,7 +67,7 @@ class Bags:
 
 
 def make_bags(folder: Path) -> Bags:
-    """Fly half a second."""
+    """Run half a second."""
     directory = folder / "run"
     run_experiment(load_experiment("liu2023/fig08", ["duration=1.0", "expect={}"]), directory, mode="headless")
     path = LogReader(directory).path
@@ -139,7 +139,7 @@ def mcap_case(random: Random, folder: Path, bags: Bags) -> None:
 
 
 def cli_case(random: Random, folder: Path, bags: Bags) -> None:
-    """A command line that nobody meant, over files that are there and others that are not.
+    """A random command line, over files that are there and others that are not.
 
     Raises:
         TracebackShown: it did not end with one line and 0, 1 or 2.
@@ -227,7 +227,7 @@ def _info_by_index(path: Path, folder: Path) -> None:
 def _replay(path: Path, folder: Path) -> None:
     from space_robot_cli.render.replay import as_dict
 
-    json.dumps(as_dict(replay(path, Order("both"))), allow_nan=False)
+    json.dumps(as_dict(replay(path, ReplayOptions("both"))), allow_nan=False)
 
 
 READERS: Sequence[Callable[[Path, Path], Any]] = (
@@ -312,7 +312,7 @@ def _bad_log(random: Random, bags: Bags) -> bytes:
 
 
 def _forged(random: Random, bags: Bags) -> bytes:
-    """A log whose records are whole, and say what nobody should."""
+    """A log whose records are whole, with values that no writer makes."""
     stream = BytesIO(bags.running)
     stream.seek(len(MAGIC))
     records = [(opcode, content) for opcode, content in scan(stream, len(bags.running))]

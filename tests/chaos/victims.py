@@ -34,19 +34,19 @@ OVERRIDES = ("duration=25000.0",)
 BEGUN_TICKS = 20
 DEADLINE = 60.0
 
-# Flies in the place of the tool, whose own judgement of a long log is not what is measured here.
+# Runs in place of the tool, whose own judgement of a long log is not what is measured here.
 PILOT = """
 import sys
 from pathlib import Path
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.hooks import Hooks
-from space_robot_bringup.modes.processes import fly_processes
+from space_robot_bringup.modes.processes import run_processes
 place, realtime, late, *overrides = sys.argv[1:]
 late = {role: 1e6 for role in late.split(",") if role}
 composition = compose(load_experiment("liu2023/fig08", overrides))
 hooks = Hooks(on_tick=lambda tick: print(tick, flush=True))
-fly_processes(composition, Path(place), realtime=float(realtime) or None, hooks=hooks, late=late)
+run_processes(composition, Path(place), realtime=float(realtime) or None, hooks=hooks, late=late)
 """
 
 
@@ -57,7 +57,7 @@ class Remains:
     Attributes:
         victim: role, or ``parent``.
         seconds: from the kill until the last process of the run was gone.
-        decided: from the kill until the parent told the others to end, by its own clock; None: it was the victim.
+        decided: from the kill until the parent ordered the others to end, by its own clock; None: it was the victim.
         orphans: processes of the run that were still there after ``DEADLINE``.
         reason: of the end, in the log.
         said: of the end, by the parent.
@@ -102,18 +102,18 @@ class Kill:
 
 
 def kill_one(kill: Kill) -> Remains:
-    """Fly, kill, and look at what is left."""
+    """Run, kill, and look at what is left."""
     place = kill.place
     temporary = place.with_name("temporary")
     temporary.mkdir()
     with _temporary_folder(temporary), _observer() as newest:
         seconds, decided, orphans, said = (_kill_parent if kill.victim == PARENT else _kill_child)(kill)
-        flown = newest()
+        reached = newest()
     reader = LogReader(place)
     period = load_experiment("liu2023/fig08").period
     logged = max((stamp for stamp, parts in reader.stamps() if BASE_ODOM.name in parts), default=-period)
     litter = (*(path.name for path in temporary.iterdir()), *(path.name for path in place.rglob("*.tmp")))
-    lost = max(0, (flown - logged) // period)
+    lost = max(0, (reached - logged) // period)
     return Remains(kill.victim, seconds, decided, orphans, reader.end_reason, said, lost, litter)
 
 
@@ -121,9 +121,9 @@ def _kill_child(kill: Kill) -> tuple[float, float | None, int, str | None]:
     composition = compose(load_experiment("liu2023/fig08", kill.overrides))
     killed: list[float] = []
     decided: list[float] = []
-    crew: dict[str, int] = {}
+    children: dict[str, int] = {}
 
-    class TimedCrew(processes._Crew):
+    class TimedProcesses(processes._NodeProcesses):
         def _end_all(self, reason: str, *, hurry: bool = False) -> None:
             decided.append(monotonic())
             super()._end_all(reason, hurry=hurry)
@@ -131,15 +131,15 @@ def _kill_child(kill: Kill) -> tuple[float, float | None, int, str | None]:
     def on_tick(tick: int) -> None:
         if tick >= BEGUN_TICKS and not killed:
             sleep(kill.delay)
-            crew.update(nodes_of(os.getpid()))
+            children.update(nodes_of(os.getpid()))
             killed.append(monotonic())
-            os.kill(crew[kill.victim], signal.SIGKILL)
+            os.kill(children[kill.victim], signal.SIGKILL)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(processes, "_Crew", TimedCrew)
-        said = processes.fly_processes(composition, kill.place, realtime=kill.realtime, hooks=Hooks(on_tick))
+        patch.setattr(processes, "_NodeProcesses", TimedProcesses)
+        said = processes.run_processes(composition, kill.place, realtime=kill.realtime, hooks=Hooks(on_tick))
     ended = monotonic()
-    return ended - killed[0], decided[0] - killed[0], len(_await_gone(crew.values())), said
+    return ended - killed[0], decided[0] - killed[0], len(_await_gone(children.values())), said
 
 
 def _kill_parent(kill: Kill) -> tuple[float, float | None, int, str | None]:
@@ -152,12 +152,12 @@ def _kill_parent(kill: Kill) -> tuple[float, float | None, int, str | None]:
             if int(line) >= BEGUN_TICKS or (kill.alone and bag.exists() and bag.stat().st_size):
                 break
         sleep(kill.delay)
-        crew = nodes_of(parent.pid)
-        assert set(crew) == set(ROLES) - set(late)
+        children = nodes_of(parent.pid)
+        assert set(children) == set(ROLES) - set(late)
         parent.kill()
         killed = monotonic()
         parent.wait()
-        orphans = _await_gone(crew.values())
+        orphans = _await_gone(children.values())
         ended = monotonic()
     for pid in orphans:
         with contextlib.suppress(ProcessLookupError):

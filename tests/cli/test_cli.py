@@ -162,7 +162,7 @@ def test_the_tool_explains_itself(space_robot: Tool, tmp_path: Path, arguments: 
 
 
 def test_a_copied_experiment_runs_with_another_arm(space_robot: Tool, tmp_path: Path) -> None:
-    """The UR5 experiment, copied, with only the robot changed, flies the Panda; both arrive."""
+    """The UR5 experiment, copied, with only the robot changed, runs the Panda; both arrive."""
     from space_robot_bringup.experiment.experiment import experiment_path
 
     text = experiment_path("point_to_point/ur5_sat").read_text()

@@ -22,7 +22,7 @@ def law(name: str) -> tuple[str, str]:
     return "--set", f"controller.law=tests.support.laws:{name}"
 
 
-def test_what_a_law_raises_is_one_line(space_robot: Tool) -> None:
+def test_an_exception_of_a_law_is_one_line_and_exit_1(space_robot: Tool) -> None:
     """A law that raises costs one line with law, tick and cause, and exit 1; the traceback comes with --debug."""
     done = space_robot(*FIG08, *law("Buggy"))
     assert (done.returncode, done.stderr) == (1, "")

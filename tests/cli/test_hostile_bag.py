@@ -22,7 +22,7 @@ from space_robot_msgs_py.log.recover import recover
 from tests.support.hostile import with_experiment, write_evil
 from tests.support.tool import Tool, refused
 
-FLIGHT = ("liu2023/fig08", ("duration=1.0", "expect={}"))
+RUN = ("liu2023/fig08", ("duration=1.0", "expect={}"))
 
 
 @dataclass
@@ -41,7 +41,7 @@ class Trap:
 @pytest.fixture(scope="module")
 def harmless(tmp_path_factory: pytest.TempPathFactory) -> Path:
     directory = tmp_path_factory.mktemp("bags") / "harmless"
-    name, overrides = FLIGHT
+    name, overrides = RUN
     run_experiment(load_experiment(name, overrides), directory, mode="headless")
     return directory
 
@@ -111,7 +111,7 @@ RUN_WHAT_IS_TYPED = {"campaign", "check", "compare", "list", "reproduce", "robot
 
 
 def test_every_command_is_known_here() -> None:
-    """A command that is new must say whether it reads what somebody else may have made."""
+    """A command that is new must say whether it reads third-party data."""
     names = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
     assert names == set(READ_LOGS) | RUN_WHAT_IS_TYPED
 
@@ -155,7 +155,7 @@ def test_a_replay_against_the_plant_needs_no_law(trap: Trap, space_robot: Tool) 
     [("--law", "evil.py:Evil"), ("--allow-code",), ("--set", "controller.law=evil.py:Evil")],
     ids=["law", "allow-code", "set"],
 )
-def test_what_the_user_types_is_run(typed: tuple[str, ...], trap: Trap, space_robot: Tool) -> None:
+def test_a_law_named_by_the_user_is_imported(typed: tuple[str, ...], trap: Trap, space_robot: Tool) -> None:
     """A law that the user typed, or all code the user vouches for, is imported and compared."""
     with_experiment(trap.bag, trap.folder / "bag" / "run", law("evil.py:Evil"))
     done = space_robot("replay", "bag/run", "--against", "controller", *typed)
@@ -194,8 +194,8 @@ def test_the_directory_of_a_campaign_brings_no_code(named: str, mode: str, trap:
     assert not trap.sprung
 
 
-def test_a_case_of_a_campaign_flies_with_the_law_the_user_types(trap: Trap, space_robot: Tool) -> None:
-    """``run --from --law`` flies that law, and the log names it; without ``--from`` the option is refused."""
+def test_run_from_a_campaign_uses_the_law_of_the_option(trap: Trap, space_robot: Tool) -> None:
+    """``run --from --law`` runs that law, and the log names it; without ``--from`` the option is refused."""
     campaign_of(trap, law("their.py:Law"))
     space_robot(
         "run", "--from", "campaign", "--index", "0", "--mode", "headless", "--law", "evil.py:Evil", "--out", "o"
@@ -207,7 +207,7 @@ def test_a_case_of_a_campaign_flies_with_the_law_the_user_types(trap: Trap, spac
 
 def test_the_log_carries_the_source_of_a_custom_law(trap: Trap, space_robot: Tool) -> None:
     """A custom law is in its log as text with a digest, a shipped one is not; another file is named by a replay."""
-    name, overrides = FLIGHT
+    name, overrides = RUN
     options = [part for one in overrides for part in ("--set", one)]
     options += ["--set", "controller.law=evil.py:Evil", "--set", "controller.gains={}"]
     space_robot("run", name, *options, "--out", "custom")
@@ -228,7 +228,7 @@ def test_tools_of_others_read_the_attached_source(trap: Trap, space_robot: Tool)
     """The mcap library lists the source beside experiment and URDF."""
     from mcap.reader import make_reader
 
-    name, overrides = FLIGHT
+    name, overrides = RUN
     options = [
         part for one in (*overrides, "controller.law=evil:Evil", "controller.gains={}") for part in ("--set", one)
     ]

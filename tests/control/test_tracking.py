@@ -68,7 +68,7 @@ def test_feedforward_keeps_the_velocity_error(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_no_error_means_the_reference_acceleration(seed: int) -> None:
+def test_without_errors_the_feed_forward_is_the_reference_acceleration(seed: int) -> None:
     """On the reference all errors vanish and the feed-forward is the reference's own acceleration."""
     path = Path(np.random.default_rng(seed))
     errors = errors_at(path, path, 0.0)

@@ -166,7 +166,10 @@ def test_resolving_is_stable_for_any_mount_and_lock(position: float, rpy: tuple[
 
 
 BAD_FILES: dict[str, tuple[dict[str, Any], str]] = {
-    "flying without thrusters": ({"base_mode": "free_flying"}, "actuators.base_force: free_flying needs thrusters"),
+    "free-flying without thrusters": (
+        {"base_mode": "free_flying"},
+        "actuators.base_force: free_flying needs thrusters",
+    ),
     "floating with thrusters": ({"actuators": actuators(base_force=THRUSTERS)}, "free_floating has no thrusters"),
     "flat wheels": (
         {"actuators": actuators(base_torque=WHEELS | {"axes": [[1, 0, 0], [0, 1, 0], [1, 1, 0]]})},
@@ -240,7 +243,7 @@ def test_unknown_robots_and_missing_files() -> None:
     """An unknown name shows the nearest ones, a missing file is an InputFileError that shows the path."""
     with pytest.raises(SpecError, match=r"'minni'; accepted: a robot file, or one of: mini"):
         load_robot("minni")
-    with pytest.raises(SpecError, match=r"a URDF alone does not fly.*urdf: mini\.urdf"):
+    with pytest.raises(SpecError, match=r"a URDF alone cannot be run.*urdf: mini\.urdf"):
         load_robot("config/robots/mini.urdf")
     with pytest.raises(InputFileError, match=r"nowhere/robot\.yaml"):
         load_robot("nowhere/robot.yaml")

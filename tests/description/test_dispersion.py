@@ -119,17 +119,17 @@ def test_a_name_wins_over_the_star() -> None:
     np.testing.assert_array_equal(changed, [False, True, True, True, True])
 
 
-def test_actuators_stray_together_with_their_limits() -> None:
+def test_actuators_are_perturbed_together_with_their_limits() -> None:
     """Effort, wheel and thruster limits are scaled where a controller and a plant look for them."""
     drawn = _draw(load_robot("mini"), _dispersion(EVERYTHING))
     np.testing.assert_array_equal(drawn.effort_limit, drawn.actuators.joints.effort)
     assert len(set(drawn.effort_limit.tolist()) | {5.0}) == 5
     assert isinstance(drawn.actuators.base_torque, ReactionWheels)
     assert drawn.actuators.base_torque.torque not in (1.5, drawn.actuators.base_torque.momentum)
-    flying = _draw(load_robot("ets7"), _dispersion({"base_force.limit": 0.1, "base_torque.limit": 0.1}))
-    assert isinstance(flying.actuators.base_force, Thrusters)
-    assert len({*flying.actuators.base_force.limit, 150.0}) == 4
-    assert not flying.effort_limit.flags.writeable
+    free_flying = _draw(load_robot("ets7"), _dispersion({"base_force.limit": 0.1, "base_torque.limit": 0.1}))
+    assert isinstance(free_flying.actuators.base_force, Thrusters)
+    assert len({*free_flying.actuators.base_force.limit, 150.0}) == 4
+    assert not free_flying.effort_limit.flags.writeable
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ def test_a_change_is_a_new_model_and_checked_as_a_whole() -> None:
     assert old == Outer()
     for changes, why in (
         ({"soft.rat": 1.0}, "gains.soft.rat: .*accepted: soft.rate"),
-        ({"hard.rate": 1.0}, "gains.hard.rate: cannot change in flight"),
+        ({"hard.rate": 1.0}, "gains.hard.rate: cannot change during the run"),
         ({"soft": {"rate": 1.0}}, "gains.soft: there is no such number"),
         ({"soft.share": 1.0}, "gains.soft.share: .*less than 1"),
     ):

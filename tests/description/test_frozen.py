@@ -94,7 +94,7 @@ def test_every_way_to_change_a_container_is_refused(change: Callable[[Experiment
     assert to_yaml(experiment) == before
 
 
-def test_what_an_experiment_was_made_from_is_not_in_it() -> None:
+def test_an_experiment_copies_the_mapping_it_is_made_from() -> None:
     """Changing the mapping afterwards changes no experiment that was made from it."""
     data = copy.deepcopy(DATA)
     experiment = experiment_from(data, "test")

@@ -69,7 +69,7 @@ def test_a_kernel_is_compiled_by_one_of_the_processes_that_need_it(folder: Path)
 
 
 def test_the_turn_of_a_killed_process_goes_to_the_next(folder: Path) -> None:
-    """A process that is killed while it compiles leaves nobody waiting."""
+    """A process that is killed while it compiles leaves no other waiting."""
     with ended([python(folder, STOP)]) as (stopped,):
         assert stopped.stdout is not None
         assert stopped.stdout.readline() == "compiled\n"

@@ -113,8 +113,8 @@ def test_cylinder_robots_are_those_of_the_table(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CYLINDERS)
-def test_cylinder_robots_fly_on_the_tabulated_thrusters(name: str) -> None:
-    """Servicer and ets7 fly freely, with the tabulated force, torque and joint limits and posture."""
+def test_cylinder_robots_have_the_tabulated_thrusters(name: str) -> None:
+    """Servicer and ets7 are free-flying, with the tabulated force, torque and joint limits and posture."""
     *_, home, force, torque, efforts = CYLINDERS[name]
     robot = load_robot(name)
     assert robot.base_mode == "free_flying"

@@ -1,4 +1,4 @@
-"""A URDF that cannot fly is refused with the name of the link or joint; one that can becomes the right model."""
+"""A URDF that cannot be used is refused with the name of the link or joint; one that can becomes the right model."""
 
 from __future__ import annotations
 

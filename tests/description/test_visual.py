@@ -81,7 +81,7 @@ def test_a_log_names_no_mesh_outside_of_what_is_shipped_or_typed(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["pipe", "device", "directory", "two shapes"])
-def test_what_is_no_mesh_file_is_not_opened(tmp_path, kind):
+def test_a_mesh_that_is_not_a_file_is_not_opened(tmp_path, kind):
     """A pipe, a device or a directory under the name of a mesh is named, not waited for."""
     path = tmp_path / "arm.stl"
     if kind == "pipe":

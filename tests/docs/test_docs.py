@@ -84,8 +84,8 @@ def test_sections_fit_an_experiment(text: str) -> None:
     assert compose(experiment).experiment.reference.kind in text
 
 
-def test_campaigns_and_their_sections_can_be_flown(tmp_path: Path) -> None:
-    """A campaign copied from a page, and sections copied into it, have cases that compose; one of them flies."""
+def test_campaigns_and_their_sections_can_be_run(tmp_path: Path) -> None:
+    """A campaign copied from a page, and sections copied into it, have cases that compose; one of them runs."""
     (whole,) = yaml_blocks("campaign")
     parts = yaml_blocks("dispersions")
     assert parts
@@ -94,8 +94,8 @@ def test_campaigns_and_their_sections_can_be_flown(tmp_path: Path) -> None:
         data = parse_yaml_text(whole, "docs") | {"runs": 3, "expect": {}} | parse_yaml_text(text, "docs")
         path.write_text(dump_yaml(data), encoding="utf-8")
         assert check_cases(load_campaign(str(path)))
-    flown = run_case(make_case(load_campaign(str(path)), 0).data, "copied", "none")
-    assert flown.columns["completed"], flown.columns
+    outcome = run_case(make_case(load_campaign(str(path)), 0).data, "copied", "none")
+    assert outcome.columns["completed"], outcome.columns
 
 
 def test_overrides_on_the_pages_work() -> None:
@@ -142,7 +142,7 @@ def exit_code(line: str, monkeypatch: pytest.MonkeyPatch) -> object:
 
 @pytest.mark.parametrize("command", commands())
 def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
-    """A command copied from a page or an example exits with 0, placeholders filled in and a short flight."""
+    """A command copied from a page or an example exits with 0, placeholders filled in and a short run."""
     words = shlex.split(command)[1:]
     for name in ("examples", "config"):
         (tmp_path / name).symlink_to(ROOT / name)
@@ -159,7 +159,7 @@ def test_commands_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command:
 
 
 def test_commands_of_the_campaign_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fly, go on, and fly one case again; schedulers on other machines are tried in test_campaign.py."""
+    """Run, go on, and run one case again; schedulers on other machines are tried in test_campaign.py."""
     monkeypatch.chdir(tmp_path)
     lines = [line for line in shell_lines("campaigns.md") if line.startswith("space-robot") and "tcp:" not in line]
     assert len(lines) == 3
@@ -173,7 +173,7 @@ def test_commands_of_the_campaign_page_work_in_their_order(tmp_path: Path, monke
 
 
 def test_commands_of_the_comparison_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fly and show, fly and write, and show what was flown again."""
+    """Run and show, run and write, and show what was run again."""
     small = {
         "experiment": "compare/mini",
         "set": {"duration": 2.0, "reference.duration": 1.0, "reference.joints_by_deg": 1},
@@ -190,7 +190,7 @@ def test_commands_of_the_comparison_page_work_in_their_order(tmp_path: Path, mon
 
 
 def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fly, replay, look and recover; what needs a second terminal is tried in test_replay_publish.py."""
+    """Run, replay, look and recover; what needs a second terminal is tried in test_replay_publish.py."""
     monkeypatch.chdir(tmp_path)
     lines = [line for line in shell_lines("replay.md") if line.startswith("space-robot") and "--publish" not in line]
     assert len(lines) == 5
@@ -199,7 +199,7 @@ def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeyp
 
 
 def test_commands_of_the_page_on_seeing_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fly and report, one run and a campaign; the viewer, which ends with Ctrl-C, is tried in test_browser.py."""
+    """Run and report, one run and a campaign; the viewer, which ends with Ctrl-C, is tried in test_browser.py."""
     pytest.importorskip("plotly")
     monkeypatch.chdir(tmp_path)
     lines = [line for line in shell_lines("view.md") if line.startswith("space-robot") and " view " not in line]

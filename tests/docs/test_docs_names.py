@@ -25,7 +25,7 @@ FOREIGN = {
     "cmeel.prefix/share": "where the wheels of Pinocchio and example-robot-data put data",
     "BAG_recovered": "named after the bag",
     "figNN.png": "named after the figure",
-    "flight.yaml": "a file of the reader",
+    "run.yaml": "a file of the reader",
     "law_0.py": "an attachment of a log",
     "SystemExit": "Python",
     "module:Class": "a law of the reader",
@@ -175,7 +175,7 @@ def test_a_name_that_does_not_exist_is_found(text: str) -> None:
 
 def test_a_member_after_its_owner_is_checked() -> None:
     """```RobotState.q`, `.v``` is two members of one class, and a wrong one is found, in its line."""
-    found = list(spans("page.md", "\nThe state:\n`RobotState.q`, `.v`,\n`.w`\n\n```\n`Nobody`\n```\n"))
+    found = list(spans("page.md", "\nThe state:\n`RobotState.q`, `.v`,\n`.w`\n\n```\n`Missing`\n```\n"))
     assert [(span.place, exists(span)) for span in found] == [
         ("page.md:3", True),
         ("page.md:3", True),

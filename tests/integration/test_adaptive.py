@@ -12,7 +12,7 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.log.reader import LogReader
-from tests.support.harness import flight
+from tests.support.harness import running_graph
 
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -21,10 +21,10 @@ CASE = "liu2023/fig11"
 
 
 @pytest.mark.parametrize("update", ["rls", "composite"])
-def test_the_node_tracks_learns_and_equals_the_headless_flight(tmp_path: Path, update: str) -> None:
+def test_the_node_tracks_learns_and_equals_the_headless_run(tmp_path: Path, update: str) -> None:
     """In the graph the law follows the waves, finds Ixx of the base, and logs the same messages as without ROS."""
     overrides = (f"controller.gains.update={update}", "controller.gains.rls.reset=null")
-    with flight(tmp_path / "graph" / "run", *overrides, experiment=CASE) as robot:
+    with running_graph(tmp_path / "graph" / "run", *overrides, experiment=CASE) as robot:
         robot.spin_until(lambda: robot.recorder.complete, "the end of the run")
     reader = LogReader(tmp_path / "graph" / "run")
     arrays, late = reader.arrays(), 160

@@ -12,21 +12,24 @@ from space_robot_msgs_py.codec.codecs import CommandCodec, encode_string
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, JOINT_COMMAND, WRENCH_COMMAND
-from tests.support.harness import Flight, flight
+from space_robot_sim.nodes import command_port
+from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 WITHOUT_CONTROLLER = ("recorder", "guidance", "simulator")
 PERIOD = 250_000_000
 
 
-def command(robot: Flight, stamp: int, effort: float = 0.0, names: tuple[str, ...] | None = None) -> tuple[bytes, ...]:
+def command(
+    robot: RunningGraph, stamp: int, effort: float = 0.0, names: tuple[str, ...] | None = None
+) -> tuple[bytes, ...]:
     names = names or robot.composition.joint_names
     return CommandCodec(names).encode(Command(stamp, np.zeros(6), np.full(len(names), effort)))
 
 
-def say(robot: Flight, parts: tuple[bytes, ...]) -> None:
-    robot.say(WRENCH_COMMAND, parts[0])
-    robot.say(JOINT_COMMAND, parts[1])
+def publish(robot: RunningGraph, parts: tuple[bytes, ...]) -> None:
+    robot.publish(WRENCH_COMMAND, parts[0])
+    robot.publish(JOINT_COMMAND, parts[1])
 
 
 def poisoned(parts: tuple[bytes, ...]) -> tuple[bytes, ...]:
@@ -43,20 +46,21 @@ def poisoned(parts: tuple[bytes, ...]) -> tuple[bytes, ...]:
     ],
 )
 def test_an_unusable_answer_is_refused_and_held(
-    tmp_path: Path, fault: str, names: tuple[str, ...] | None, poison: bool
+    tmp_path: Path, fault: str, names: tuple[str, ...] | None, poison: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Wrong names, wrong size or NaN at the awaited stamp: counted once, the plant holds the last valid command."""
-    with flight(tmp_path / "run", roles=WITHOUT_CONTROLLER) as robot:
-        say(robot, command(robot, 0, effort=0.05))
+    monkeypatch.setattr(command_port, "SECOND_CHANCE", 0.01)
+    with running_graph(tmp_path / "run", roles=WITHOUT_CONTROLLER) as robot:
+        publish(robot, command(robot, 0, effort=0.05))
         robot.spin_until(lambda: robot.simulator.tick == 1, "the first step")
         bad = command(robot, PERIOD, names=names)
-        say(robot, poisoned(bad) if poison else bad)
+        publish(robot, poisoned(bad) if poison else bad)
         robot.spin_until(lambda: robot.simulator.tick == 2, f"the step in spite of {fault}")
         assert robot.simulator.commands.counts["invalid"] == 1
         sample = robot.simulator.sample
         assert sample is not None
         np.testing.assert_array_equal(sample.telemetry["applied_effort"], 0.05)
-        say(robot, command(robot, 2 * PERIOD, effort=0.01))
+        publish(robot, command(robot, 2 * PERIOD, effort=0.01))
         robot.spin_until(lambda: robot.simulator.tick == 3, "the next step")
         sample = robot.simulator.sample
         assert sample is not None
@@ -66,20 +70,20 @@ def test_an_unusable_answer_is_refused_and_held(
 @pytest.mark.parametrize(("shift", "count"), [(-PERIOD, "stale"), (PERIOD, "future"), (17, "future")])
 def test_a_stamp_out_of_step_is_refused_and_the_run_waits(tmp_path: Path, shift: int, count: str) -> None:
     """A stale or future stamp moves nothing; the right one, later, moves the plant."""
-    with flight(tmp_path / "run", roles=WITHOUT_CONTROLLER) as robot:
-        say(robot, command(robot, 0))
+    with running_graph(tmp_path / "run", roles=WITHOUT_CONTROLLER) as robot:
+        publish(robot, command(robot, 0))
         robot.spin_until(lambda: robot.simulator.tick == 1, "the first step")
-        say(robot, command(robot, PERIOD + shift))
+        publish(robot, command(robot, PERIOD + shift))
         robot.spin_until(lambda: robot.simulator.commands.counts[count] == 2, f"both parts counted as {count}")
         assert robot.simulator.tick == 1
-        say(robot, command(robot, PERIOD))
+        publish(robot, command(robot, PERIOD))
         robot.spin_until(lambda: robot.simulator.tick == 2, "the step after the right answer")
 
 
 def test_garbage_on_the_wire_is_counted_and_moves_nothing(tmp_path: Path) -> None:
     """Bytes that are no message at all neither stop nor advance the run."""
-    with flight(tmp_path / "run", roles=WITHOUT_CONTROLLER) as robot:
-        robot.say(WRENCH_COMMAND, b"\x00\x01\x00\x00\x01\x02")
+    with running_graph(tmp_path / "run", roles=WITHOUT_CONTROLLER) as robot:
+        robot.publish(WRENCH_COMMAND, b"\x00\x01\x00\x00\x01\x02")
         robot.spin_until(lambda: robot.simulator.commands.counts["malformed"] == 1, "the garbage to be counted")
         assert robot.simulator.tick == 0
         assert robot.simulator.failure is None
@@ -88,8 +92,8 @@ def test_garbage_on_the_wire_is_counted_and_moves_nothing(tmp_path: Path) -> Non
 @pytest.mark.parametrize("text", ["no event", '{"stamp": 17, "kind": "a"}', '{"stamp": 0, "kind": "a", "x": NaN}'])
 def test_an_odd_event_is_not_recorded(tmp_path: Path, text: str) -> None:
     """What a stranger says on controller/events that is none, or of no tick, is counted; the run and its log go on."""
-    with flight(tmp_path / "run", "duration=20.0", realtime=0.001) as robot:
-        robot.say(CONTROLLER_EVENTS, encode_string(text))
+    with running_graph(tmp_path / "run", "duration=20.0", realtime=0.001) as robot:
+        robot.publish(CONTROLLER_EVENTS, encode_string(text))
         robot.spin_until(lambda: robot.recorder.malformed == 1, "the odd event to be counted")
         assert robot.recorder.failure is None
     assert "controller/events" not in {name for name, _, _ in LogReader(tmp_path / "run").messages()}
@@ -97,8 +101,8 @@ def test_an_odd_event_is_not_recorded(tmp_path: Path, text: str) -> None:
 
 def test_a_stranger_cannot_derail_a_controlled_run(tmp_path: Path) -> None:
     """With a second publisher shouting stale and future commands the run ends completed."""
-    with flight(tmp_path / "run", "duration=20.0") as robot:
+    with running_graph(tmp_path / "run", "duration=20.0") as robot:
         for tick in (0, 5, 70, 10_000):
-            say(robot, command(robot, 40 * PERIOD + tick))
+            publish(robot, command(robot, 40 * PERIOD + tick))
         robot.spin_until(lambda: robot.recorder.complete and robot.simulator.end_reason, "the end of the run")
         assert robot.simulator.end_reason == "completed"

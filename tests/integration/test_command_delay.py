@@ -18,7 +18,7 @@ from space_robot_sim.command_hold import CommandHold
 
 
 class Listening(Law):
-    """Keeps what it is told of applied commands."""
+    """Keeps the applied commands it gets."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
@@ -52,14 +52,14 @@ def max_errors(run: sr.Run) -> tuple[float, float]:
 
 @pytest.mark.parametrize("periods", [0, 1])
 def test_the_flight_software_and_the_plant_agree_on_what_acts(periods: int) -> None:
-    """The command that a law is told of in each period is the one that the plant applies."""
+    """The applied command that a law gets in each period is the one that the plant applies."""
     plant = CommandHold(2, delay_periods=periods, hold="zero")
     law = CommandDelay(periods, none="nothing")
     for k in range(5):
         command = Command(k, np.full(6, 1.0 + k), np.full(2, 1.0 + k))
-        applied, (told, owner) = plant.take(command), law.acting(command, f"law {k}")
-        np.testing.assert_array_equal(told.u, applied.u)
-        assert (told.stamp, owner) == (
+        applied, (known, owner) = plant.take(command), law.acting(command, f"law {k}")
+        np.testing.assert_array_equal(known.u, applied.u)
+        assert (known.stamp, owner) == (
             (NO_COMMAND, "nothing") if k < periods else (applied.stamp, f"law {k - periods}")
         )
 

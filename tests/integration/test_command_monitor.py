@@ -9,7 +9,7 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
 from space_robot_bringup.modes.run import Mode, run_experiment
-from space_robot_bringup.replay.replay import Order, replay
+from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_msgs_py.log.reader import LogReader
 
 # The step at the start asks for more than half of the wheels, and for more than a small change.
@@ -41,14 +41,16 @@ def test_what_was_refused_is_in_the_log_and_replays(tmp_path: Path, delay: int) 
     acted = {int(tick.sample.telemetry["command_stamp"][0]) for tick in ticks}
     assert all(int(values["stamp"]) == stamp - 250_000_000 for stamp, values in refused)
     assert acted.isdisjoint(int(values["stamp"]) for _, values in refused)
-    replayed = replay(tmp_path / "run", Order())
+    replayed = replay(tmp_path / "run", ReplayOptions())
     assert replayed.equal, [outcome.comparison.first for outcome in replayed.outcomes]
 
 
 def test_another_threshold_is_found_by_replay(tmp_path: Path) -> None:
     """A bound that is 1 % off gives other events or states, and replay names the first."""
     logged(tmp_path)
-    outcome = replay(tmp_path / "run", Order("plant", overrides={"plant.monitor.limit.factor": 0.505})).outcomes[0]
+    outcome = replay(
+        tmp_path / "run", ReplayOptions("plant", overrides={"plant.monitor.limit.factor": 0.505})
+    ).outcomes[0]
     assert not outcome.equal
 
 
@@ -67,4 +69,4 @@ def test_other_plants_have_the_monitor_too(tmp_path: Path) -> None:
     result = run_experiment(load_experiment("song2023/pccs", overrides), tmp_path / "run", mode="headless")
     assert result.end_reason == "completed"
     assert any(tick.sample.events for tick in LogReader(tmp_path / "run").ticks())
-    assert replay(tmp_path / "run", Order("plant")).equal
+    assert replay(tmp_path / "run", ReplayOptions("plant")).equal

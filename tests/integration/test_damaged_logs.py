@@ -17,7 +17,7 @@ from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.recover import recover
 from space_robot_msgs_py.log.writer import LogWriter
-from tests.support.replays import fly, replayed
+from tests.support.replays import record_run, replayed
 from tests.support.tool import Tool
 
 ATTEMPTS = 200
@@ -27,7 +27,7 @@ ATTEMPTS = 200
 def forms(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, bytes]:
     """A short log as it is while it is written, and closed."""
     place = tmp_path_factory.mktemp("logs")
-    reader = LogReader(fly(place / "run", "compare/mini", "duration=2.0", "controller.law=pd"))
+    reader = LogReader(record_run(place / "run", "compare/mini", "duration=2.0", "controller.law=pd"))
     writer = LogWriter(place / "again", reader.header)
     writer.write_description(reader.header.urdf)
     for stamp, parts in reader.stamps():
@@ -114,7 +114,7 @@ def test_the_tool_recovers_and_says_what_is_lost(space_robot: Tool, forms: tuple
     assert (tmp_path / "elsewhere" / "elsewhere_0.mcap").is_file()
 
 
-def test_the_tool_refuses_what_nobody_can_recover(space_robot: Tool, tmp_path: Path) -> None:
+def test_recover_refuses_what_cannot_be_recovered(space_robot: Tool, tmp_path: Path) -> None:
     """Exit 2 and one line, and nothing that could be taken for a bag."""
     (tmp_path / "zero_0.mcap").write_bytes(bytes(10_000))
     for command in ("recover", "info", "replay"):

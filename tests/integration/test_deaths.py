@@ -14,7 +14,7 @@ from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import BASE_ODOM
 from tests.chaos.kill import faults
 from tests.chaos.victims import OVERRIDES, PARENT, Kill, kill_one
-from tests.support.harness import flight
+from tests.support.harness import running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 NO_HURRY = 60.0
@@ -31,9 +31,9 @@ def test_nothing_outlives_a_parent_that_is_killed(tmp_path: Path) -> None:
     assert faults(kill_one(Kill(PARENT, tmp_path / "run", alone=True)), None, NO_HURRY) == []
 
 
-def test_no_state_is_out_before_the_tick_before_it_is_on_the_disk(tmp_path: Path) -> None:
+def test_a_state_is_published_only_when_the_tick_before_is_logged(tmp_path: Path) -> None:
     """In processes of their own, state k comes when tick k - 1 is in the log: that is what a dead recorder can lose."""
-    with flight(tmp_path / "run", "duration=10.0", services=True) as robot:
+    with running_graph(tmp_path / "run", "duration=10.0", services=True) as robot:
         seen: list[tuple[int, int]] = []
         robot.simulator.on_tick = lambda tick: seen.append(
             (tick, robot.recorder.written_until // robot.simulator.period)
@@ -47,7 +47,7 @@ def test_no_state_is_out_before_the_tick_before_it_is_on_the_disk(tmp_path: Path
 @pytest.mark.parametrize("realtime", [None, 100.0])
 def test_a_run_without_its_recorder_stands_and_says_why(tmp_path: Path, realtime: float | None) -> None:
     """A recorder that hears nothing more stops the simulator where its credit ends, in lock-step at the next tick."""
-    with flight(tmp_path / "run", "duration=2500.0", services=True, realtime=realtime) as robot:
+    with running_graph(tmp_path / "run", "duration=2500.0", services=True, realtime=realtime) as robot:
         robot.spin_until(lambda: robot.simulator.tick > 5, "the run to begin")
         robot.simulator._health._patience = 1.0
         robot.executor.remove_node(robot.recorder)
@@ -60,14 +60,14 @@ def test_a_run_without_its_recorder_stands_and_says_why(tmp_path: Path, realtime
 
 def test_a_node_does_not_wait_for_ever(tmp_path: Path) -> None:
     """Without a simulator a node ends with a reason; with one, even paused, it waits."""
-    with flight(tmp_path / "run", roles=("recorder", "guidance", "controller")) as robot:
+    with running_graph(tmp_path / "run", roles=("recorder", "guidance", "controller")) as robot:
         for node in robot.nodes.values():
             patience = Patience(node, BASE_ODOM, 0.2)
             robot.spin_until(lambda node=node, look=patience.look: look() or node.end_reason, "the node to give up")
         failure = robot.nodes["recorder"].failure
         assert isinstance(failure, SilenceError)
         assert "base/odom: nothing publishes it; the run is over or never began" in str(failure)
-    with flight(tmp_path / "other") as robot:
+    with running_graph(tmp_path / "other") as robot:
         robot.simulator.pause(True)
         patience = Patience(robot.nodes["controller"], BASE_ODOM, 0.0)
         robot.spin_until(lambda: robot.nodes["controller"].publisher_count(BASE_ODOM), "the controller to hear it")

@@ -11,12 +11,12 @@ pytest.importorskip("rclpy")
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from space_robot_msgs_py.topics import JOINT_COMMAND
-from tests.support.harness import Flight, flight
+from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
 
-def heard(robot: Flight) -> dict[str, Any]:
+def heard(robot: RunningGraph) -> dict[str, Any]:
     """Newest status by name, as it comes in."""
     newest: dict[str, Any] = {}
 
@@ -32,9 +32,9 @@ def numbers(status: Any) -> dict[str, str]:
     return {value.key: value.value for value in status.values}
 
 
-def test_both_nodes_say_how_they_are(tmp_path: Path) -> None:
+def test_both_nodes_publish_diagnostics(tmp_path: Path) -> None:
     """Rate, counts, saturation, residuals, computation time and the condition of the estimator are there."""
-    with flight(tmp_path / "run", "controller={law: adaptive}", "duration=400.0", realtime=5.0) as robot:
+    with running_graph(tmp_path / "run", "controller={law: adaptive}", "duration=400.0", realtime=5.0) as robot:
         newest = heard(robot)
         wanted = ("simulator: commands", "simulator: plant", "controller: law", "controller: estimator")
         robot.spin_until(lambda: all(name in newest for name in wanted), "all four statuses")
@@ -48,14 +48,15 @@ def test_both_nodes_say_how_they_are(tmp_path: Path) -> None:
 
 
 def test_a_second_publisher_of_commands_is_pointed_out(tmp_path: Path) -> None:
-    """As long as there are two, the status of the commands is a warning that says of what."""
-    with flight(tmp_path / "run", "duration=4000.0", realtime=1.0) as robot:
+    """As long as there are two, the status of the commands is a warning that says of what, and names both nodes."""
+    with running_graph(tmp_path / "run", "duration=4000.0", realtime=1.0) as robot:
         newest = heard(robot)
         robot.stranger.publisher(JOINT_COMMAND)
 
         def warned() -> bool:
             status = newest.get("simulator: commands")
-            return status is not None and "2 publishers of joint_command" in status.message
+            said = "2 publishers of joint_command (/controller, /stranger)"
+            return status is not None and said in status.message
 
         robot.spin_until(warned, "the warning")
     assert newest["simulator: commands"].level == DiagnosticStatus.WARN

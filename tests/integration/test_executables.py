@@ -20,8 +20,8 @@ pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
 
 @pytest.mark.parametrize(("name", "block"), [("adaptive", "parameters"), ("ntsmc", "adaptive_gain")])
-def test_the_executable_flies_an_experiment_of_another_law(tmp_path: Path, spawn: Spawn, name: str, block: str) -> None:
-    """With simulator, guidance and recorder beside it, the executable flies its law, and the log has its telemetry."""
+def test_the_executable_runs_an_experiment_of_another_law(tmp_path: Path, spawn: Spawn, name: str, block: str) -> None:
+    """With simulator, guidance and recorder beside it, the executable runs its law, and the log has its telemetry."""
     run = tmp_path / "run"
     common = ["--experiment", "point_to_point/ur5_sat", "--out", str(run), "--set", "duration=5.0"]
     law = ["--set", f"controller.law={name}"]
@@ -46,7 +46,7 @@ def test_the_executable_flies_an_experiment_of_another_law(tmp_path: Path, spawn
 
 
 def law_of(text: str) -> str:
-    """The law a log says it was flown by."""
+    """The law a log says it was run by."""
     return str(parse_yaml_text(text, "log")["controller"]["law"])
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment, with_faults
 from space_robot_bringup.modes.run import Mode, run_experiment
-from space_robot_bringup.replay.replay import Order, replay
+from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_msgs_py.codec.codecs import decode_statuses
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_studies.campaign.cases import check_cases, make_case
@@ -55,7 +55,7 @@ def test_equal_seeds_give_equal_files_and_replay_equal(tmp_path: Path) -> None:
     """Twice the same bytes, another seed others; plant and controller computed again from the log are EQUAL."""
     assert logged(tmp_path / "a") == logged(tmp_path / "b")
     assert logged(tmp_path / "c", seed=8) != logged(tmp_path / "a")
-    replayed = replay(tmp_path / "a" / "run", Order())
+    replayed = replay(tmp_path / "a" / "run", ReplayOptions())
     assert replayed.equal, [outcome.comparison.first for outcome in replayed.outcomes]
     assert [outcome.ticks for outcome in replayed.outcomes] == [41, 41]
 
@@ -65,7 +65,7 @@ def test_a_fault_that_is_another_is_found_by_replay(tmp_path: Path) -> None:
     logged(tmp_path)
     faults = experiment().model_dump(mode="json")["faults"]
     faults[3]["at"] = 3.3
-    outcome = replay(tmp_path / "run", Order("plant", overrides={"faults": faults})).outcomes[0]
+    outcome = replay(tmp_path / "run", ReplayOptions("plant", overrides={"faults": faults})).outcomes[0]
     assert not outcome.equal
     assert "faults" in str(outcome.first)
 

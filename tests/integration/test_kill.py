@@ -19,7 +19,7 @@ from tests.support.follow import DEADLINE, ended
 from tests.support.forks import Fork, fork_main
 
 pytest.importorskip("rclpy")
-from tests.support.pilot import fly_on
+from tests.support.pilot import run_on
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 PERIOD = 250_000_000
@@ -40,9 +40,9 @@ def test_sigkill_loses_at_most_one_control_period(tmp_path: Path) -> None:
         run, board = tmp_path / f"run{attempt}", tmp_path / f"board{attempt}"
         board.write_bytes(struct.pack("<q", -1))
         with board.open("r+b") as file, mmap.mmap(file.fileno(), 8) as view:
-            pilot = Fork(fly_on, run, board)
+            pilot = Fork(run_on, run, board)
             try:
-                wait_for(lambda view=view: struct.unpack("<q", view[:8])[0] >= 3, "the flight to begin")
+                wait_for(lambda view=view: struct.unpack("<q", view[:8])[0] >= 3, "the run to begin")
                 sleep(float(rng.uniform(0.0, 0.5)))
             finally:
                 pilot.kill()
@@ -62,12 +62,12 @@ def test_a_signal_closes_the_log_and_says_so(tmp_path: Path, mode: str, number: 
     """Ctrl-C and SIGTERM leave a closed, readable log with the reason in it, exit code 1 and no traceback."""
     run = tmp_path / "run"
     command = ["run", "liu2023/fig08", "--mode", mode, "--out", str(run), "--duration", "250000"]
-    with ended([fork_main("space_robot_cli.main", *command)]) as (flown,):
-        wait_for(lambda: any(path.stat().st_size > 100_000 for path in run.glob("*.mcap")), "some of the flight")
-        flown.send_signal(number)
-        stdout, stderr = flown.communicate(timeout=DEADLINE)
+    with ended([fork_main("space_robot_cli.main", *command)]) as (child,):
+        wait_for(lambda: any(path.stat().st_size > 100_000 for path in run.glob("*.mcap")), "some of the run")
+        child.send_signal(number)
+        stdout, stderr = child.communicate(timeout=DEADLINE)
     assert "Traceback" not in stderr, stderr
-    assert flown.returncode == 1
+    assert child.returncode == 1
     assert reason in stdout
     log = LogReader(run)
     assert log.end_reason == reason
@@ -77,7 +77,7 @@ def test_a_signal_closes_the_log_and_says_so(tmp_path: Path, mode: str, number: 
     assert stamps == [PERIOD * tick for tick in range(len(stamps))]
 
 
-def test_a_busy_graph_stops_at_the_tick_it_is_told_to(tmp_path: Path) -> None:
+def test_a_busy_graph_stops_at_the_commanded_tick(tmp_path: Path) -> None:
     """A graph whose executor never idles still ends within a tick or two of the wish to stop."""
     reached = 0
 

@@ -61,8 +61,8 @@ def test_a_complete_run_ends_with_0(launch: Launch, tmp_path: Path) -> None:
     assert child.returncode == 0, said
     experiment = load_experiment("liu2023/fig08", ["controller.law=pd", "duration=2.0"])
     run_experiment(experiment, tmp_path / "alone", mode="headless")
-    flown, alone = (tmp_path / place for place in ("runs/fig08/fig08_0.mcap", "alone/alone_0.mcap"))
-    assert flown.read_bytes() == alone.read_bytes()
+    launched, alone = (tmp_path / place for place in ("runs/fig08/fig08_0.mcap", "alone/alone_0.mcap"))
+    assert launched.read_bytes() == alone.read_bytes()
 
 
 def test_bad_input_ends_with_1(launch: Launch, tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_bad_input_ends_with_1(launch: Launch, tmp_path: Path) -> None:
 
 
 def test_a_node_that_dies_ends_the_run_with_1(launch: Launch, tmp_path: Path) -> None:
-    """When the controller is killed, the others are ended, the log is closed, and nobody is left."""
+    """When the controller is killed, the others are ended, the log is closed, and no process is left."""
     child = launch("experiment:=liu2023/fig08", "controller:=pd", "realtime:=1.0", "set:=duration=600.0", "out:=run")
     said = _kill("controller", child, tmp_path / "run")
     assert child.returncode == 1, said
@@ -111,7 +111,7 @@ def test_a_replay_is_answered_by_a_controller(launch: Launch, tmp_path: Path) ->
 
 
 def _kill(role: str, child: subprocess.Popen[str], run: Path) -> str:
-    """Kill that node of a run in flight; what launch said."""
+    """Kill that node of a run in progress; what launch said."""
     said = _await_ticks(child, run)
     found = re.search(rf"{role}-\d\]: process started with pid \[(\d+)\]", said)
     assert found, said

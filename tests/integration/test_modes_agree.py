@@ -18,7 +18,7 @@ from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_msgs_py.log.reader import LogReader
 
 pytest.importorskip("rclpy")
-from space_robot_bringup.modes.processes import fly_processes
+from space_robot_bringup.modes.processes import run_processes
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
@@ -31,7 +31,7 @@ ROUGH = (
 )
 
 
-def fly(directory: Path, mode: Mode, overrides: tuple[str, ...] = ()) -> Path:
+def run_mode(directory: Path, mode: Mode, overrides: tuple[str, ...] = ()) -> Path:
     result = run_experiment(load_experiment("liu2023/fig08", overrides), directory, mode=mode)
     assert result.end_reason == "completed"
     return directory
@@ -60,11 +60,11 @@ def burning_core() -> Iterator[None]:
 @pytest.mark.parametrize("overrides", [(), ROUGH], ids=["fig08", "rough"])
 def test_the_three_modes_log_the_same_messages_twice(tmp_path: Path, overrides: tuple[str, ...]) -> None:
     """Headless, graph and processes give equal messages, and equal files, the second time too."""
-    truth = fly(tmp_path / "a" / "run", "headless", overrides)
+    truth = run_mode(tmp_path / "a" / "run", "headless", overrides)
     assert messages(truth)
     for attempt in ("b", "c"):
         for mode in ("graph", "processes"):
-            other = fly(tmp_path / attempt / mode / "run", mode, overrides)
+            other = run_mode(tmp_path / attempt / mode / "run", mode, overrides)
             assert messages(other) == messages(truth), f"{mode} differs from headless"
             assert bag(other) == bag(truth), f"the file of {mode} differs from that of headless"
 
@@ -75,26 +75,26 @@ def test_laws_that_take_turns_log_the_same_in_every_mode(tmp_path: Path) -> None
     for mode in ("headless", "graph", "processes"):
         run_experiment(experiment, tmp_path / mode / "run", mode=mode)  # type: ignore[arg-type]
     truth = bag(tmp_path / "headless" / "run")
-    told = [stamp for topic, stamp, _ in messages(tmp_path / "headless" / "run") if topic == "controller/events"]
-    assert told == [25_000_000_000, 50_000_000_000]
+    stamps = [stamp for topic, stamp, _ in messages(tmp_path / "headless" / "run") if topic == "controller/events"]
+    assert stamps == [25_000_000_000, 50_000_000_000]
     for mode in ("graph", "processes"):
         assert bag(tmp_path / mode / "run") == truth, f"the file of {mode} differs from that of headless"
 
 
 def test_a_busy_machine_changes_no_bit(tmp_path: Path) -> None:
-    """Timing is not an input: with a core burnt by somebody else the log is the same."""
-    truth = fly(tmp_path / "quiet" / "run", "headless", ROUGH)
+    """Timing is not an input: with a core burnt by another process the log is the same."""
+    truth = run_mode(tmp_path / "quiet" / "run", "headless", ROUGH)
     with burning_core():
         for mode in ("graph", "processes"):
-            assert bag(fly(tmp_path / mode / "run", mode, ROUGH)) == bag(truth)
+            assert bag(run_mode(tmp_path / mode / "run", mode, ROUGH)) == bag(truth)
 
 
 def test_a_late_controller_changes_no_bit(tmp_path: Path) -> None:
-    """The run waits for its controller: started 3 s after the others it flies the same flight."""
+    """The run waits for its controller: started 3 s after the others it gives the same run."""
     experiment = load_experiment("liu2023/fig08", ROUGH)
-    truth = fly(tmp_path / "early" / "run", "headless", ROUGH)
+    truth = run_mode(tmp_path / "early" / "run", "headless", ROUGH)
     late = tmp_path / "late" / "run"
-    reason = fly_processes(compose(experiment), late, realtime=None, hooks=Hooks(), late={"controller": 3.0})
+    reason = run_processes(compose(experiment), late, realtime=None, hooks=Hooks(), late={"controller": 3.0})
     assert reason == "completed"
     assert bag(late) == bag(truth)
 

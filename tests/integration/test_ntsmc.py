@@ -1,4 +1,4 @@
-"""Terminal sliding mode flights of the servicer: what Giordano and Cenedese 2023 claims, as far as it holds here."""
+"""Terminal sliding mode runs of the servicer: what Giordano and Cenedese 2023 claims, as far as it holds here."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from space_robot_studies.reproduce.signals import tool_errors
 DRAWS = np.random.default_rng(7).uniform(-144.0, 144.0, size=(4, 3)).tolist()
 
 
-class Flown:
-    """A flight from its log."""
+class LoggedRun:
+    """A run from its log."""
 
     def __init__(self, directory: Path, name: str, *overrides: str) -> None:
         self.result = run_experiment(load_experiment(f"giordano2023/{name}", overrides), directory, mode="headless")
@@ -45,23 +45,23 @@ def test_draws_of_section_v_converge_near_the_geodesic(
     tmp_path: Path, draw: list[float], period: float, clamp: bool
 ) -> None:
     """Every draw ends below 0.01 deg, its axis within 0.25 of the geodesic's, its path within 3 % of the shortest."""
-    flown = Flown(
+    logged = LoggedRun(
         tmp_path / "run",
         "sec5",
         f"initial.attitude_deg={draw}",
         f"control_period={period}",
         f"controller.gains.clamp={str(clamp).lower()}",
     )
-    assert flown.result.end_reason == "completed"
-    assert flown.error_deg < 0.01
-    assert flown.axis_distance < 0.25
-    assert path_ratio(flown.q[:, 3:7], flown.goal) < 1.03
+    assert logged.result.end_reason == "completed"
+    assert logged.error_deg < 0.01
+    assert logged.axis_distance < 0.25
+    assert path_ratio(logged.q[:, 3:7], logged.goal) < 1.03
 
 
 def test_as_printed_the_law_diverges_at_half_a_second_and_the_clamp_saves_it(tmp_path: Path) -> None:
-    """At 0.5 s the arm runs away without the clamp, and the same flight converges with it."""
-    free = Flown(tmp_path / "free", "sec5", "control_period=0.5")
-    clamped = Flown(tmp_path / "clamped", "sec5", "control_period=0.5", "controller.gains.clamp=true")
+    """At 0.5 s the arm runs away without the clamp, and the same run converges with it."""
+    free = LoggedRun(tmp_path / "free", "sec5", "control_period=0.5")
+    clamped = LoggedRun(tmp_path / "clamped", "sec5", "control_period=0.5", "controller.gains.clamp=true")
     assert free.result.end_reason != "completed" or free.error_deg > 1.0
     assert clamped.result.passed
 
@@ -70,7 +70,7 @@ def test_keeping_the_direction_of_a_saturated_command_keeps_the_arm_still(tmp_pa
     """Clipped per axis the same slew throws the arm at least ten times as far."""
     home = load_robot("servicer").home
     clipped, scaled = (
-        np.abs(Flown(tmp_path / way, "sec5", f"controller.gains.saturation={way}").q[:, 7:] - home).max()
+        np.abs(LoggedRun(tmp_path / way, "sec5", f"controller.gains.saturation={way}").q[:, 7:] - home).max()
         for way in ("per_axis", "direction_preserving")
     )
     assert scaled < 0.1 * clipped
@@ -79,12 +79,12 @@ def test_keeping_the_direction_of_a_saturated_command_keeps_the_arm_still(tmp_pa
 @pytest.mark.parametrize("case", ["appendix_b1", "appendix_b2"])
 def test_the_scenarios_of_appendix_b(tmp_path: Path, case: str) -> None:
     """The quaternion law passes; the Euler baseline asks for several times as much and goes a long way round."""
-    quaternion, euler = Flown(tmp_path / "q", case), Flown(tmp_path / "e", f"{case}_euler")
+    quaternion, euler = LoggedRun(tmp_path / "q", case), LoggedRun(tmp_path / "e", f"{case}_euler")
     assert quaternion.result.passed
     assert euler.asked.max() > 3.0 * quaternion.asked.max()
     assert euler.axis_distance > quaternion.axis_distance + 0.5
     assert euler.error_deg > quaternion.error_deg
-    torque = [np.linalg.norm(flown.torque, axis=1).sum() for flown in (quaternion, euler)]
+    torque = [np.linalg.norm(logged.torque, axis=1).sum() for logged in (quaternion, euler)]
     assert torque[0] < 0.5 * torque[1]
 
 
@@ -93,8 +93,8 @@ def test_the_tracking_error_of_appendix_c_grows_with_what_is_not_known_of_the_lo
     """Down to half of the load the tool ends within 1 mm and 0.01 deg; the less is known the larger the excursion."""
     robot, worst = load_robot("servicer"), []
     for known in ("100", "075", "050"):
-        flown = Flown(tmp_path / known, f"appendix_c_known_{known}")
-        position, angle = tool_errors(robot, flown.q[::10], flown.q_d[::10])
+        logged = LoggedRun(tmp_path / known, f"appendix_c_known_{known}")
+        position, angle = tool_errors(robot, logged.q[::10], logged.q_d[::10])
         assert position[-1] < 1e-3
         assert np.degrees(angle[-1]) < 0.01
         worst.append(position.max())

@@ -13,12 +13,12 @@ from std_srvs.srv import SetBool, Trigger
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
-from tests.support.harness import Flight, flight
+from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
 
-def call(robot: Flight, service: Any, name: str, request: Any) -> Any:
+def call(robot: RunningGraph, service: Any, name: str, request: Any) -> Any:
     client = robot.stranger.create_client(service, f"simulator/{name}")
     robot.spin_until(client.service_is_ready, f"service {name}")
     future = client.call_async(request)
@@ -26,18 +26,18 @@ def call(robot: Flight, service: Any, name: str, request: Any) -> Any:
     return future.result()
 
 
-def pause(robot: Flight, wanted: bool) -> Any:
+def pause(robot: RunningGraph, wanted: bool) -> Any:
     return call(robot, SetBool, "pause", SetBool.Request(data=wanted))
 
 
-def trigger(robot: Flight, name: str) -> Any:
+def trigger(robot: RunningGraph, name: str) -> Any:
     return call(robot, Trigger, name, Trigger.Request())
 
 
 def test_a_paused_run_takes_single_steps_and_ends_with_the_same_bits(tmp_path: Path) -> None:
     """Pause stops at a tick, step advances one, resume finishes; the log equals an undisturbed one."""
     run_experiment(load_experiment("liu2023/fig08"), tmp_path / "truth" / "run", mode="headless")
-    with flight(tmp_path / "run") as robot:
+    with running_graph(tmp_path / "run") as robot:
         assert pause(robot, True).success
         stopped = robot.await_answer()
         assert stopped < robot.composition.experiment.steps, "the run was over before it could be paused"
@@ -56,16 +56,16 @@ def test_a_paused_run_takes_single_steps_and_ends_with_the_same_bits(tmp_path: P
 
 def test_step_is_refused_while_running(tmp_path: Path) -> None:
     """A step without a pause changes nothing and says what to do."""
-    with flight(tmp_path / "run", roles=("recorder", "guidance", "simulator")) as robot:
+    with running_graph(tmp_path / "run", roles=("recorder", "guidance", "simulator")) as robot:
         answer = trigger(robot, "step")
         assert not answer.success
         assert "pause" in answer.message
 
 
-def test_reset_starts_the_same_flight_again_in_a_log_of_its_own(tmp_path: Path) -> None:
-    """After a reset in mid-flight the first log ends with that reason and the second holds the whole flight."""
+def test_reset_starts_the_same_run_again_in_a_log_of_its_own(tmp_path: Path) -> None:
+    """After a reset in mid-run the first log ends with that reason and the second holds the whole run."""
     run_experiment(load_experiment("liu2023/fig08"), tmp_path / "truth" / "run", mode="headless")
-    with flight(tmp_path / "run") as robot:
+    with running_graph(tmp_path / "run") as robot:
         pause(robot, True)
         reached = robot.simulator.tick
         for step in range(3):
@@ -73,7 +73,7 @@ def test_reset_starts_the_same_flight_again_in_a_log_of_its_own(tmp_path: Path) 
             robot.spin_until(lambda goal=reached + step + 1: robot.simulator.tick == goal, "a step")
         assert trigger(robot, "reset").success
         assert pause(robot, False).success
-        robot.spin_until(lambda: robot.recorder.complete, "the end of the second flight")
+        robot.spin_until(lambda: robot.recorder.complete, "the end of the second run")
         robot.recorder.finish("completed")
     truth = list(LogReader(tmp_path / "truth" / "run").messages())
     assert list(LogReader(tmp_path / "run_reset1").messages()) == truth
@@ -84,8 +84,10 @@ def test_reset_starts_the_same_flight_again_in_a_log_of_its_own(tmp_path: Path) 
 
 
 def test_a_paced_run_follows_the_steady_clock_and_counts_what_is_missing(tmp_path: Path) -> None:
-    """Without any controller a paced run flies on in its hold, counts every period, and its log is complete."""
-    with flight(tmp_path / "run", "duration=2.0", roles=("recorder", "guidance", "simulator"), realtime=20.0) as robot:
+    """Without any controller a paced run goes on in its hold, counts every period, and its log is complete."""
+    with running_graph(
+        tmp_path / "run", "duration=2.0", roles=("recorder", "guidance", "simulator"), realtime=20.0
+    ) as robot:
         robot.spin_until(lambda: robot.simulator.end_reason is not None, "the end of the run")
         assert robot.simulator.end_reason == "completed"
         assert robot.simulator.commands.counts["missed"] == 9
@@ -99,7 +101,7 @@ def test_a_paced_run_with_a_prompt_controller_equals_the_lock_step_run(tmp_path:
     """Where every command is there when its period ends, pacing gives the bits of lock-step."""
     run_experiment(load_experiment("liu2023/fig08", ["duration=5.0"]), tmp_path / "truth" / "run", mode="headless")
     # The clock is too slow to fire: periods end when the test says so, or a busy machine would decide the outcome.
-    with flight(tmp_path / "run", "duration=5.0", realtime=0.001) as robot:
+    with running_graph(tmp_path / "run", "duration=5.0", realtime=0.001) as robot:
         while robot.simulator.end_reason is None:
             tick = robot.simulator.tick
             robot.spin_until(lambda: robot.simulator.commands.answered, f"the command of tick {tick}")

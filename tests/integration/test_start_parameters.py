@@ -68,7 +68,7 @@ def all_well(children: Sequence[Child]) -> None:
     assert [child.returncode for child in children] == [0] * len(children), said
 
 
-def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path, start: Starter) -> None:
+def test_a_parameter_file_starts_a_third_party_law(tmp_path: Path, start: Starter) -> None:
     """Nodes given experiment, law, gains and overrides by --params-file leave the bits of a run with the same."""
     file, run = tmp_path / "parameters.yaml", tmp_path / "run"
     file.write_text(PARAMETERS)
@@ -84,7 +84,7 @@ def test_a_parameter_file_flies_a_law_of_somebody_elses(tmp_path: Path, start: S
 
 
 def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path, start: Starter) -> None:
-    """With autostart off nothing flies until the manager has been there; then it is the flight that always is."""
+    """With autostart off nothing runs until the manager has configured it; then it is the usual run."""
     run, waiting = tmp_path / "run", ["--ros-args", "-p", "autostart:=false"]
     with reserved_domain() as domain:
         children = [
@@ -106,7 +106,7 @@ def test_nodes_that_wait_are_brought_up_by_the_manager(tmp_path: Path, start: St
 
 
 def test_two_robots_on_one_domain_do_not_hear_each_other(tmp_path: Path, start: Starter) -> None:
-    """Each in its namespace, on one domain at the same time, they fly what each would fly alone."""
+    """Each in its namespace, on one domain at the same time, they run what each would run alone."""
     plans = {"alpha": ["duration=5.0"], "beta": ["duration=5.0", "controller.gains.kappa=0.5"]}
     with reserved_domain() as domain:
         all_well(
@@ -118,8 +118,8 @@ def test_two_robots_on_one_domain_do_not_hear_each_other(tmp_path: Path, start: 
         )
     for name, sets in plans.items():
         run_experiment(load_experiment("liu2023/fig08", sets), tmp_path / "same" / name, mode="headless")
-        flown, alone = LogReader(tmp_path / name), LogReader(tmp_path / "same" / name)
-        assert list(flown.messages()) == list(alone.messages())
+        together, alone = LogReader(tmp_path / name), LogReader(tmp_path / "same" / name)
+        assert list(together.messages()) == list(alone.messages())
 
 
 def test_topics_can_be_remapped_and_their_quality_overridden(tmp_path: Path, start: Starter) -> None:
@@ -147,7 +147,7 @@ def test_topics_can_be_remapped_and_their_quality_overridden(tmp_path: Path, sta
         (["-p", "gains.kappa:={a"], "--ros-args"),
     ],
 )
-def test_what_cannot_be_is_said_in_one_line(start: Starter, arguments: list[str], why: str) -> None:
+def test_impossible_parameters_are_refused_in_one_line(start: Starter, arguments: list[str], why: str) -> None:
     """Exit code 2, the key and the reason, no traceback, and nothing is left behind."""
     with reserved_domain() as domain:
         child = start("controller", domain, "--ros-args", *arguments)

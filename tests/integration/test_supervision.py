@@ -12,7 +12,7 @@ from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
 from space_robot_bringup.modes.headless import fly_in_memory
 from space_robot_bringup.modes.run import Mode, run_experiment
-from space_robot_bringup.replay.replay import Order, replay
+from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.reader import LogReader
 from tests.support.tool import Tool, refused
@@ -61,9 +61,9 @@ def test_a_push_leads_to_safe_and_on_to_hold(tmp_path: Path) -> None:
 def test_a_supervised_run_replays_equal_and_a_changed_threshold_is_found(tmp_path: Path) -> None:
     """Controller, supervisor and plant repeat the log; of a threshold 1 % off the first event that differs is named."""
     logged(tmp_path)
-    replayed = replay(tmp_path / "run", Order())
+    replayed = replay(tmp_path / "run", ReplayOptions())
     assert replayed.equal, [outcome.comparison.first for outcome in replayed.outcomes]
-    order = Order("controller", overrides={"supervision.monitors.0.above": 0.303})
+    order = ReplayOptions("controller", overrides={"supervision.monitors.0.above": 0.303})
     outcome = replay(tmp_path / "run", order).outcomes[0]
     assert not outcome.equal
     assert "tumbling fires" in str(outcome.first)

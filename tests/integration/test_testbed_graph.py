@@ -1,4 +1,4 @@
-"""The model-free controller and the testbed as ROS nodes: the same flight, the same log, telemetry in it."""
+"""The model-free controller and the testbed as ROS nodes: the same run, the same log, telemetry in it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 MFAC = {"output", "pseudo_gradient", "innovation", "resets", "gate_count", "saturated", "saturation_share"}
 
 
-def test_the_graph_flies_the_testbed_as_the_loop_does(tmp_path: Path) -> None:
+def test_the_testbed_graph_equals_the_headless_run(tmp_path: Path) -> None:
     """Headless and graph log equal bits for a plant of the second kind under noise, delay and outliers."""
     experiment = load_experiment("song2023/attitude_6_85", ["duration=8.0", "plant.camera.outlier_share=0.05"])
     logs = []
@@ -53,8 +53,8 @@ def binaries() -> Path:
     return Path(sys.executable).parent
 
 
-def test_the_executable_flies_the_testbed(tmp_path: Path, spawn: Spawn) -> None:
-    """``mfac_controller`` with simulator, guidance and recorder beside it flies an experiment to its end."""
+def test_the_executable_runs_the_testbed(tmp_path: Path, spawn: Spawn) -> None:
+    """``mfac_controller`` with simulator, guidance and recorder beside it runs an experiment to its end."""
     run = tmp_path / "run"
     common = ["--experiment", "song2023/attitude_1_7", "--out", str(run), "--set", "duration=2.0"]
     nodes = ("space_robot_sim/recorder", "space_robot_sim/simulator", "space_robot_control/guidance")

@@ -1,4 +1,4 @@
-"""A controller that knows nothing of this project: rclpy and standard messages are enough to fly the robot."""
+"""A controller that knows nothing of this project: rclpy and standard messages are enough to run the robot."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from space_robot_bringup.modes.run import judge_log
 from space_robot_msgs_py.log.reader import LogReader
-from tests.support.harness import flight
+from tests.support.harness import running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
@@ -33,7 +33,7 @@ class Stranger(Node):  # type: ignore[misc]
     joint_inertia = np.array([0.2, 0.2, 0.1, 0.02])
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("somebody_elses_controller", **options)
+        super().__init__("third_party_controller", **options)
         self.parts: dict[int, dict[str, Any]] = {}
         self.wrench = self.create_publisher(WrenchStamped, "base/wrench_command", QOS)
         self.effort = self.create_publisher(JointState, "joint_command", QOS)
@@ -77,9 +77,11 @@ def vector_part(actual: Any, desired: Any) -> Any:
     return vector * np.sign(a @ d)
 
 
-def test_a_foreign_node_flies_the_robot(tmp_path: Path) -> None:
-    """Without our controller the run ends completed, the robot gets where it was asked, and no command was refused."""
-    with flight(tmp_path / "run", "expect={}", "duration=200.0", roles=("recorder", "guidance", "simulator")) as robot:
+def test_a_third_party_node_controls_the_robot(tmp_path: Path) -> None:
+    """With a third-party controller only, the run completes, the robot reaches its target and no command is refused."""
+    with running_graph(
+        tmp_path / "run", "expect={}", "duration=200.0", roles=("recorder", "guidance", "simulator")
+    ) as robot:
         stranger = Stranger(context=robot.context)
         robot.executor.add_node(stranger)
         robot.spin_until(lambda: robot.recorder.complete and robot.simulator.end_reason, "the end of the run")

@@ -25,9 +25,9 @@ from tests.support.hosts import NOT_SEEN, SEEN, look_for_simulator, main_on
 pytest.importorskip("rclpy")
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.netns, pytest.mark.xdist_group("hosts")]
 
-ADDRESSES = {"flight": "10.231.77.1", "ground": "10.231.77.2"}
+ADDRESSES = {"onboard": "10.231.77.1", "ground": "10.231.77.2"}
 NODE = "space_robot_bringup.nodes.process"
-ROLES = {"recorder": "flight", "simulator": "flight", "guidance": "ground", "controller": "ground"}
+ROLES = {"recorder": "onboard", "simulator": "onboard", "guidance": "ground", "controller": "ground"}
 CUT_SECONDS = 5.0
 DEADLINE = 120.0
 PACE, PERIOD = 2.0, 0.25
@@ -42,7 +42,7 @@ EXPERIMENT, OVERRIDES = "liu2023/fig11", ["controller.law=computed_torque", "pla
 class TwoHosts:
     """Two network namespaces with a cable between them."""
 
-    flight: str
+    onboard: str
     ground: str
 
     def start(self, role: str, run: Path, *options: str, named: bool = True) -> Fork:
@@ -57,7 +57,7 @@ class TwoHosts:
         )
 
     def sees_simulator(self, host: str, seconds: float) -> bool:
-        """Whether a node of ours that was told nothing sees the simulator from that host, within so many seconds."""
+        """Whether a node with default settings sees the simulator from that host, within so many seconds."""
         with ended([Fork(look_for_simulator, getattr(self, host), seconds, environment=ENVIRONMENT)]) as (scout,):
             assert scout.wait(seconds + DEADLINE) in (SEEN, NOT_SEEN), scout.communicate()[1]
             return scout.returncode == SEEN
@@ -108,8 +108,8 @@ def hosts() -> Iterator[TwoHosts]:
             subprocess.run(["ip", "netns", "delete", name], capture_output=True, check=False)
 
 
-def fly(hosts: TwoHosts, run: Path, ticks: int, *options: str) -> tuple[int, int]:
-    """Fly on both hosts and pull the cable for some seconds when the log has so many ticks.
+def run_with_outage(hosts: TwoHosts, run: Path, ticks: int, *options: str) -> tuple[int, int]:
+    """Run on both hosts and pull the cable for some seconds when the log has so many ticks.
 
     Returns the ticks in the log amid the time without a link and at its end.
     """
@@ -131,7 +131,7 @@ def fly(hosts: TwoHosts, run: Path, ticks: int, *options: str) -> tuple[int, int
 def test_lock_step_waits_for_the_link_and_loses_nothing(hosts: TwoHosts, tmp_path: Path) -> None:
     """A run stands still while the link is down and leaves the same file as the loop without ROS."""
     long = "duration=1000.0"
-    amid, late = fly(hosts, tmp_path / "run", 100, "--set", long)
+    amid, late = run_with_outage(hosts, tmp_path / "run", 100, "--set", long)
     assert amid == late
     run_experiment(load_experiment(EXPERIMENT, [*OVERRIDES, long]), tmp_path / "alone", mode="headless")
     assert (tmp_path / "run" / "run_0.mcap").read_bytes() == (tmp_path / "alone" / "alone_0.mcap").read_bytes()
@@ -139,7 +139,7 @@ def test_lock_step_waits_for_the_link_and_loses_nothing(hosts: TwoHosts, tmp_pat
 
 def test_a_paced_run_holds_while_the_link_is_down_and_recovers(hosts: TwoHosts, tmp_path: Path) -> None:
     """Without commands the motors get the hold, zero here; with the link they come back and the robot follows again."""
-    fly(hosts, tmp_path / "run", 40, "--realtime", str(PACE), "--set", "duration=60.0")
+    run_with_outage(hosts, tmp_path / "run", 40, "--realtime", str(PACE), "--set", "duration=60.0")
     log = LogReader(tmp_path / "run").arrays()
     begin, end = _longest_rest(log.effort)
     assert begin > 10
@@ -152,9 +152,9 @@ def test_a_paced_run_holds_while_the_link_is_down_and_recovers(hosts: TwoHosts, 
 
 
 def test_hosts_that_were_not_named_do_not_hear_each_other(hosts: TwoHosts, tmp_path: Path) -> None:
-    """On one domain, with a link, a node is seen on its own host only: discovery is local unless told otherwise."""
+    """On one domain, with a link, a node is seen on its own host only: discovery is local unless set otherwise."""
     with ended([hosts.start("simulator", tmp_path / "run", named=False)]) as (simulator,):
-        assert hosts.sees_simulator("flight", DEADLINE)
+        assert hosts.sees_simulator("onboard", DEADLINE)
         assert not hosts.sees_simulator("ground", CUT_SECONDS)
         simulator.send_signal(signal.SIGTERM)
         said = simulator.communicate(timeout=DEADLINE)[1]

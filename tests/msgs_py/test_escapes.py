@@ -1,4 +1,4 @@
-"""Text of somebody else's stays text, whatever shows it."""
+"""Text of third parties stays text, whatever shows it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ESCAPE_SEQUENCES = {
 
 
 @pytest.mark.parametrize("text", ESCAPE_SEQUENCES.values(), ids=ESCAPE_SEQUENCES)
-def test_nothing_steers_a_terminal(text: str) -> None:
+def test_control_characters_are_escaped_for_a_terminal(text: str) -> None:
     """Control characters are shown as their codes, and every stream can write the result."""
     shown = visible(text)
     assert all(character.isprintable() for character in shown)
@@ -35,7 +35,7 @@ def test_nothing_steers_a_terminal(text: str) -> None:
 
 
 @given(st.text())
-def test_what_can_be_seen_stays_as_it_is(text: str) -> None:
+def test_printable_text_is_not_changed(text: str) -> None:
     """A text of printable characters is not changed, and showing it twice is showing it once."""
     plain = "".join(character for character in text if character.isprintable())
     assert visible(plain) == plain

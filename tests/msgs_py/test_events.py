@@ -38,7 +38,7 @@ NO_EVENTS = (
 
 
 @pytest.mark.parametrize("text", NO_EVENTS)
-def test_what_is_no_event_is_refused(text: str) -> None:
+def test_a_malformed_event_is_refused(text: str) -> None:
     """Text of a stranger is a LayoutError, whatever is wrong with it."""
     with pytest.raises(LayoutError):
         decode_events(encode_string(text))

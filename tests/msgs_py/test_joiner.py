@@ -87,13 +87,13 @@ def test_without_memory_time_may_start_again():
         assert joiner.add(0, 0, "state") == ("state", "reference")
 
 
-def test_one_part_is_whole_by_itself():
+def test_a_joiner_of_one_part_gives_every_arrival():
     """With a single part every first arrival is given out at once."""
     assert StampJoiner(1, 1).add(0, 7, None) == (None,)
 
 
 @pytest.mark.parametrize(("parts", "capacity"), [(0, 1), (1, 0), (-1, 5)])
-def test_nothing_to_join_is_refused(parts, capacity):
+def test_a_joiner_without_parts_or_room_is_refused(parts, capacity):
     """A joiner without parts or room is a SpecError."""
     with pytest.raises(SpecError):
         StampJoiner(parts, capacity)

@@ -37,7 +37,7 @@ def test_telemetry_becomes_a_message_and_comes_back(telemetry):
     assert values.bits(ros.telemetry_from_msg(codec, ros.telemetry_to_msg(codec, telemetry))) == values.bits(telemetry)
 
 
-def test_rclpy_reads_our_bytes_field_by_field():
+def test_rclpy_reads_the_encoded_bytes_field_by_field():
     """What rclpy finds in our bytes is what the value says."""
     tick = values.run_ticks(1)[0]
     raws = dict(zip(LOGGED, TickCodec(values.NAMES).encode(tick), strict=True))

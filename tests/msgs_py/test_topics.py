@@ -25,7 +25,7 @@ def test_names_are_unique():
     assert len({topic.name for topic in TABLE}) == len(TABLE)
 
 
-def test_what_is_in_the_log_is_deterministic():
+def test_no_recorded_topic_depends_on_the_wall_clock():
     """Nothing that depends on the wall clock is recorded."""
     assert all(topic.deterministic for topic in TABLE if topic.recorded)
 

@@ -85,7 +85,7 @@ def test_messages_and_values_give_the_same_bytes():
 
 
 @pytest.mark.parametrize("urdf", ["", "no XML", "<robot/>", "<robot><link name='a'/><link name='b'/></robot>"])
-def test_what_is_no_robot_has_no_frames(urdf):
+def test_a_urdf_without_one_root_has_no_frames(urdf):
     """A text without one root link gives no transforms, and no error."""
     frames = FrameTransforms(urdf, ("slide",))
     assert frames.static is None

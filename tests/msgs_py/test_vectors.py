@@ -21,7 +21,7 @@ def test_large_finite_numbers_pass():
 
 
 @pytest.mark.parametrize("source", [np.arange(3.0), np.arange(6.0)[::2], np.arange(3), np.arange(3, dtype=">f8")])
-def test_what_was_handed_in_cannot_change_the_result(source):
+def test_a_value_copies_the_arrays_it_is_given(source):
     """An array is copied: writing to it afterwards changes nothing, and the result is read-only."""
     out = vector(source, 3, "x")
     before = out.tolist()
@@ -33,7 +33,7 @@ def test_what_was_handed_in_cannot_change_the_result(source):
 
 
 @pytest.mark.parametrize("kind", ["<f8", ">f8", "<i8"])
-def test_bytes_are_read_as_what_they_are(kind):
+def test_an_array_on_bytes_keeps_its_values_and_is_read_only(kind):
     """An array that lies on bytes keeps its values, is shared only as float64, and is read-only."""
     source = np.frombuffer(np.arange(3).astype(kind).tobytes(), dtype=kind)
     out = vector(source, 3, "x")

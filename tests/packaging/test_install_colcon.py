@@ -1,4 +1,4 @@
-"""The same tree in the ``src/`` of a ROS workspace: colcon builds it, and what it installs flies."""
+"""The same tree in the ``src/`` of a ROS workspace: colcon builds it, and what it installs runs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def colcon(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("option", ["--merge-install", "--symlink-install"])
-def test_a_workspace_builds_and_its_nodes_fly(colcon: Path, tmp_path: Path, option: str) -> None:
+def test_a_workspace_builds_and_its_nodes_run(colcon: Path, tmp_path: Path, option: str) -> None:
     """After ``colcon build`` and sourcing, all executables are there and four of them leave a complete log."""
     copy_source(tmp_path / "src" / "space_robot")
     build = [str(colcon), "build", option]
@@ -42,7 +42,7 @@ def test_a_workspace_builds_and_its_nodes_fly(colcon: Path, tmp_path: Path, opti
         executables()
     )
     assert (prefix / "share" / "space_robot_bringup" / "launch" / "experiment.launch.py").exists()
-    assert _fly(prefix, environment, tmp_path / "run").end_reason == "completed"
+    assert _run_short(prefix, environment, tmp_path / "run").end_reason == "completed"
 
 
 def _sourced(workspace: Path) -> dict[str, str]:
@@ -55,13 +55,13 @@ def _sourced(workspace: Path) -> dict[str, str]:
     return dict(line.split("=", 1) for line in said.split("\0") if line)
 
 
-def _fly(prefix: Path, environment: dict[str, str], run: Path) -> LogReader:
+def _run_short(prefix: Path, environment: dict[str, str], run: Path) -> LogReader:
     arguments = ["--experiment", "point_to_point/ur5_sat", "--out", str(run), "--set", "duration=1.0"]
     with reserved_domain() as domain:
         children = [
             subprocess.Popen(
                 [str(prefix / "lib" / node), *arguments],
-                # Compiling what flies for one second would take a minute.
+                # Compiling what runs for one second would take a minute.
                 env=environment | {"ROS_DOMAIN_ID": str(domain), "NUMBA_DISABLE_JIT": "1"},
                 stderr=subprocess.PIPE,
                 text=True,

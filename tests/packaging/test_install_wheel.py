@@ -29,7 +29,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("wheel"
 ASK_SECONDS = 15.0
 PACKAGES = ["space_robot", *(f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup"))]
 REPLAYER = "space_robot_sim/replayer"
-FLIGHT = ["--experiment", "liu2023/fig08"]
+EXPERIMENT = ["--experiment", "liu2023/fig08"]
 FIND = """
 import json, os
 from pathlib import Path
@@ -69,43 +69,45 @@ def test_the_command_line_finds_what_is_shipped(prefix: Path, tmp_path: Path) ->
 
 @pytest.fixture(scope="module")
 def bag(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A short flight, for the replayer."""
-    run = tmp_path_factory.mktemp("flown") / "run"
-    flight = ["run", "liu2023/fig08", "--set", "controller.law=pd", "--duration", "1.0", "--out", str(run)]
-    flown = subprocess.run(
-        [str(prefix / "bin" / "space-robot"), *flight],
+    """A short run, for the replayer."""
+    run = tmp_path_factory.mktemp("recorded") / "run"
+    run_arguments = ["run", "liu2023/fig08", "--set", "controller.law=pd", "--duration", "1.0", "--out", str(run)]
+    completed = subprocess.run(
+        [str(prefix / "bin" / "space-robot"), *run_arguments],
         env=foreign_environment(NUMBA_DISABLE_JIT="1"),
         capture_output=True,
         text=True,
         check=False,
     )
     # One second is too short to settle, which is the verdict and not the point.
-    assert flown.returncode == 1, flown.stderr
+    assert completed.returncode == 1, completed.stderr
     return run
 
 
 @pytest.mark.parametrize("executable", executables())
-def test_every_node_starts_tells_its_parameters_and_stops(
+def test_every_node_starts_lists_its_parameters_and_stops(
     prefix: Path, bag: Path, tmp_path: Path, executable: str
 ) -> None:
-    """It appears in the graph, lists its parameters and ends with 0 on SIGINT and on SIGTERM, leaving nobody behind."""
+    """It appears in the graph, lists its parameters and ends with 0 on SIGINT and SIGTERM, leaving no process."""
     with reserved_domain() as domain, _observer(domain) as observer:
-        crew = {
+        children = {
             number: _start(
                 prefix / "lib" / executable,
-                [str(bag), "--paused"] if executable == REPLAYER else [*FLIGHT, "--out", str(tmp_path / number.name)],
+                [str(bag), "--paused"]
+                if executable == REPLAYER
+                else [*EXPERIMENT, "--out", str(tmp_path / number.name)],
                 domain,
                 namespace=number.name.lower(),
             )
             for number in (signal.SIGINT, signal.SIGTERM)
         }
-        with ended([*crew.values()]):
-            for number, child in crew.items():
-                told = observer(f"/{number.name.lower()}/node", child)
-                assert ("use_sim_time" if executable == REPLAYER else "experiment") in told
+        with ended([*children.values()]):
+            for number, child in children.items():
+                seen = observer(f"/{number.name.lower()}/node", child)
+                assert ("use_sim_time" if executable == REPLAYER else "experiment") in seen
                 child.send_signal(number)
-            said = {number: child.communicate(timeout=DEADLINE)[0] for number, child in crew.items()}
-    for number, child in crew.items():
+            said = {number: child.communicate(timeout=DEADLINE)[0] for number, child in children.items()}
+    for number, child in children.items():
         assert child.returncode == 0, said[number]
         assert "Traceback" not in said[number]
         with pytest.raises(ProcessLookupError):
@@ -131,7 +133,7 @@ def _start(executable: Path, arguments: list[str], domain: int, *, namespace: st
     renamed = ["--ros-args", "-r", f"__ns:=/{namespace}", "-r", "__node:=node"]
     return subprocess.Popen(
         [str(executable), *arguments, *renamed],
-        # Nothing is flown here: compiling would take far longer than all the rest.
+        # Nothing is run here: compiling would take far longer than all the rest.
         env=foreign_environment(ROS_DOMAIN_ID=str(domain), NUMBA_DISABLE_JIT="1"),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

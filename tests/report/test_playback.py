@@ -59,7 +59,7 @@ def test_joint_axes_are_those_the_robot_turns_about(robot):
         np.testing.assert_allclose(data.v[joint].angular, axis, atol=1e-12)
 
 
-def test_the_way_of_a_link_is_where_it_is(robot):
+def test_the_trace_of_a_link_equals_forward_kinematics(robot):
     """Positions are those of forward kinematics, tick by tick."""
     film = film_of(robot.model)
     data = robot.model.createData()

@@ -1,4 +1,4 @@
-"""One page per log or campaign: offline, complete, small, and also of what is left of a damaged log."""
+"""One page per log or campaign: offline, complete, small, and also of what is left of a corrupted log."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from space_robot_msgs_py.log.writer import LogSink
 from space_robot_report.pages.log_report import write_log_report
 from tests.support.tool import Tool, refused
 
-MOST_BYTES = 10_000_000
+MAX_BYTES = 10_000_000
 
 
-def flown(directory: Path, name: str = "liu2023/fig08", *overrides: str) -> Path:
+def recorded(directory: Path, name: str = "liu2023/fig08", *overrides: str) -> Path:
     run_experiment(load_experiment(name, overrides), directory, mode="headless")
     return directory
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return flown(tmp_path_factory.mktemp("bags") / "fig08")
+    return recorded(tmp_path_factory.mktemp("bags") / "fig08")
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +78,7 @@ def test_a_page_needs_nothing_else(page: str) -> None:
     assert not re.search(r"<script[^>]+src=", page)
 
 
-def test_a_page_says_what_the_run_did(page: str) -> None:
+def test_a_page_has_verdict_bounds_axes_claims_and_provenance(page: str) -> None:
     """Verdict, bounds, axes, the paper's words with their verdict, and provenance are on the page."""
     text = own_markup(page)
     for words in ("PASS", "base/roll.settling_time", "6 +- 1", "momentum_residual", "joint4 [deg]"):
@@ -113,8 +113,8 @@ def test_the_playback_stands_where_the_log_says(bag: Path, page: str) -> None:
     assert len(scene["parts"]) == 7
 
 
-def test_what_was_changed_in_flight_is_told(bag: Path, tmp_path: Path) -> None:
-    """Gains changed and laws switched in flight stand on the page with their time, and are marked in the plots."""
+def test_changes_during_the_run_are_on_the_page(bag: Path, tmp_path: Path) -> None:
+    """Gains changed and laws switched during the run stand on the page with their time, and are marked in the plots."""
     reader = LogReader(bag)
     sink = LogSink(tmp_path / "run", reader.header)
     for tick in reader.ticks():
@@ -124,7 +124,7 @@ def test_what_was_changed_in_flight_is_told(bag: Path, tmp_path: Path) -> None:
     sink.close("completed")
     write_log_report(tmp_path / "run", tmp_path / "run.html")
     page = (tmp_path / "run.html").read_text(encoding="utf-8")
-    assert "Changed in flight" in own_markup(page)
+    assert "Changed during the run" in own_markup(page)
     assert "gains.kappa" in own_markup(page)
     assert data_of(page, "marks") == [5.0]
 
@@ -141,7 +141,7 @@ FIGURES = {
 @pytest.mark.parametrize("name", FIGURES)
 def test_other_plants_and_robots_have_pages(tmp_path: Path, name: str) -> None:
     """Testbeds, captured debris and free-flying robots are drawn and played, and belong to figures of their papers."""
-    bag = flown(tmp_path / "run", name, "duration=2.0", "expect={}")
+    bag = recorded(tmp_path / "run", name, "duration=2.0", "expect={}")
     judged = write_log_report(bag, tmp_path / "run.html")
     assert judged.troubles == ()
     page = (tmp_path / "run.html").read_text(encoding="utf-8")
@@ -165,15 +165,17 @@ urdf: sticks.urdf
 base_mode: free_floating
 actuators: {joints: {effort: 1.0}, base_torque: {kind: ideal, limit: [1, 1, 1]}}
 """
-FLIGHT = "{robot: sticks.yaml, control_period: 0.5, duration: 1.0, reference: {kind: step, attitude_deg: [5, 0, 0]}}"
+EXPERIMENT = (
+    "{robot: sticks.yaml, control_period: 0.5, duration: 1.0, reference: {kind: step, attitude_deg: [5, 0, 0]}}"
+)
 
 
 def test_a_robot_without_visuals_is_drawn_as_sticks(space_robot: Tool, tmp_path: Path) -> None:
     """A URDF that says nothing of its looks is played as sticks between its joints, prismatic ones too."""
     (tmp_path / "sticks.urdf").write_text(STICKS.format(inertial=INERTIAL))
     (tmp_path / "sticks.yaml").write_text(ROBOT)
-    (tmp_path / "flight.yaml").write_text(FLIGHT)
-    space_robot("run", "flight.yaml", "--out", "bag")
+    (tmp_path / "mine.yaml").write_text(EXPERIMENT)
+    space_robot("run", "mine.yaml", "--out", "bag")
     assert space_robot("report", "bag").returncode == 0
     scene = data_of((tmp_path / "bag.html").read_text(encoding="utf-8"), "scene")
     assert isinstance(scene, dict)
@@ -181,8 +183,8 @@ def test_a_robot_without_visuals_is_drawn_as_sticks(space_robot: Tool, tmp_path:
     np.testing.assert_allclose(unpacked(scene["axes"]).reshape(-1, 3), [[0, 0, 1], [0, 1, 0]], atol=1e-7)
 
 
-def test_run_can_show_what_it_flew(space_robot: Tool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """``run --view`` flies, prints the verdict, then serves the log at the port asked for."""
+def test_run_view_serves_the_log_of_the_run(space_robot: Tool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """``run --view`` runs, prints the verdict, then serves the log at the port asked for."""
     shown = []
     monkeypatch.setattr("space_robot_cli.main.show_log", lambda log, **options: shown.append((str(log), options)))
     done = space_robot("run", "liu2023/fig08", "--out", "bag", "--view", "--port", "9000", "--no-browser")
@@ -195,15 +197,15 @@ def test_run_can_show_what_it_flew(space_robot: Tool, monkeypatch: pytest.Monkey
 def test_a_long_run_makes_a_small_page(tmp_path: Path) -> None:
     """A run of 150 s of the robot with the finest meshes gives a page below 10 MB."""
     out = tmp_path / "panda.html"
-    bag = flown(tmp_path / "panda", "point_to_point/panda_sat", "duration=150.0", "expect={}")
+    bag = recorded(tmp_path / "panda", "point_to_point/panda_sat", "duration=150.0", "expect={}")
     assert write_log_report(bag, out).arrays.time[-1] == 150.0
-    assert out.stat().st_size < MOST_BYTES
+    assert out.stat().st_size < MAX_BYTES
 
 
 def test_texts_of_a_log_stay_texts(tmp_path: Path) -> None:
     """A title with markup is shown as it is written; it closes no element and starts no script."""
     evil = "</script><script>alert(1)</script><b>"
-    bag = flown(tmp_path / "run", "liu2023/fig08", f"title='{evil}'", "duration=1.0", "expect={}")
+    bag = recorded(tmp_path / "run", "liu2023/fig08", f"title='{evil}'", "duration=1.0", "expect={}")
     out = tmp_path / "run.html"
     write_log_report(bag, out)
     page = out.read_text(encoding="utf-8")
@@ -224,7 +226,7 @@ def plain(bag: Path) -> bytes:
 
 
 @pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
-def test_of_a_cut_log_what_is_left_is_shown(plain: bytes, tmp_path: Path, share: float) -> None:
+def test_of_a_truncated_log_what_is_left_is_shown(plain: bytes, tmp_path: Path, share: float) -> None:
     """A log that was never closed is shown up to its last complete tick, and the page says that it was cut."""
     path = tmp_path / "cut_0.mcap"
     path.write_bytes(plain[: int(len(plain) * share)])
@@ -232,7 +234,7 @@ def test_of_a_cut_log_what_is_left_is_shown(plain: bytes, tmp_path: Path, share:
     assert judged.end_reason is None
     assert 0 < judged.arrays.time.size < 161
     text = own_markup((tmp_path / "cut.html").read_text(encoding="utf-8"))
-    assert "the log was cut" in text
+    assert "the log was truncated" in text
     assert "FAIL" in text
 
 
@@ -253,7 +255,7 @@ def test_damaged_logs_are_shown_or_refused_in_one_line(bag: Path, tmp_path: Path
 
 def test_a_chunk_that_is_damaged_costs_only_what_is_behind_it(tmp_path: Path) -> None:
     """A log of several chunks with a damaged one in the middle is shown up to there, and the page says why."""
-    bag = flown(tmp_path / "run", "liu2023/fig08", "duration=200.0", "expect={}")
+    bag = recorded(tmp_path / "run", "liu2023/fig08", "duration=200.0", "expect={}")
     path = next(bag.glob("*.mcap"))
     data = bytearray(path.read_bytes())
     data[len(data) * 7 // 10] ^= 0xFF
@@ -267,7 +269,7 @@ def test_the_command_writes_a_page_and_refuses_in_one_line(space_robot: Tool, ba
     """``report`` exits 0 and names the page; what is no log, and a page that cannot be written, exit 2."""
     done = space_robot("report", str(bag), "-o", "page.html")
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
+    assert (tmp_path / "page.html").stat().st_size < MAX_BYTES
     refused(space_robot("report", "nothing"), "nothing")
     refused(space_robot("report", "/"), "not a run directory")
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
@@ -279,7 +281,7 @@ def test_the_command_writes_a_page_and_refuses_in_one_line(space_robot: Tool, ba
 
 
 @pytest.mark.parametrize(("missing", "command", "extra"), [("viser", "view", "view"), ("plotly", "report", "viz")])
-def test_what_is_not_installed_is_named(bag: Path, missing: str, command: str, extra: str) -> None:
+def test_a_missing_optional_package_is_named(bag: Path, missing: str, command: str, extra: str) -> None:
     """Without viser or plotly the command exits 2 with one line that says what to install."""
     hide = f"import sys; sys.modules[{missing!r}] = None; sys.argv[1:] = [{command!r}, {str(bag)!r}]"
     code = f"{hide}; from space_robot_cli.main import main; main()"

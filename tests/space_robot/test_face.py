@@ -40,7 +40,7 @@ def typed(package: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("package", FACES)
-def test_a_face_says_the_same_three_times(package: str) -> None:
+def test_lazy_names_type_stub_and_all_agree(package: str) -> None:
     """What is exported, what types are known of and what is loaded are the same names of the same modules."""
     face = import_module(package)
     loaded = {name: module for module, found in face._MODULES.items() for name in found}
@@ -75,7 +75,7 @@ def test_a_name_that_is_not_there_is_an_error_that_knows_the_others() -> None:
 
 @pytest.mark.parametrize("package", FACES)
 def test_a_face_loads_nothing_heavy(package: str) -> None:
-    """Importing a package, and listing its names, loads no other module of ours and no large library."""
+    """Importing a package, and listing its names, loads no other module of the project and no large library."""
     loaded = _python(f"import sys, {package}; dir({package}); print(*sys.modules)").split()
     assert package in loaded
     assert not {name.split(".")[0] for name in loaded} & set(HEAVY)
@@ -85,8 +85,8 @@ def test_a_face_loads_nothing_heavy(package: str) -> None:
 
 def test_the_import_takes_less_than_that_of_numpy() -> None:
     """Processor time of a whole interpreter with the public face is below that with numpy, many times its work."""
-    ours, numpy = (min(float(_python(_TIMED.format(name))) for _ in range(3)) for name in ("space_robot", "numpy"))
-    assert ours < numpy
+    own, numpy = (min(float(_python(_TIMED.format(name))) for _ in range(3)) for name in ("space_robot", "numpy"))
+    assert own < numpy
 
 
 def test_reading_logs_loads_no_solver() -> None:
@@ -128,7 +128,7 @@ def test_the_version_is_that_of_the_installation() -> None:
     assert f'version = "{space_robot.__version__}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 
-def test_what_is_looked_up_by_entry_point_is_there() -> None:
+def test_the_plot_entry_point_exists() -> None:
     """The figure of a run is found where the installation says it is."""
     pytest.importorskip("matplotlib")
     (figure,) = entry_points(group="space_robot.figures", name="run")

@@ -62,7 +62,9 @@ def test_every_way_to_say_an_experiment_gives_the_same_bits(run: sr.Run, again: 
     assert bits(again()) == bits(run)
 
 
-def test_it_is_the_run_of_the_command_line(run: sr.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_from_python_equals_that_of_the_command_line(
+    run: sr.Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """``space-robot run`` with the same options writes the same log."""
     settings = [word for text in TEXTS for word in ("--set", text)]
     monkeypatch.setattr(sys, "argv", ["space-robot", "run", NAME, "--out", str(tmp_path / "cli"), *settings])
@@ -77,7 +79,7 @@ def test_the_graph_gives_the_same_bits(run: sr.Run, tmp_path: Path) -> None:
     assert bits(sr.run(NAME, CHANGES, mode="graph", out=tmp_path / "graph")) == bits(run)
 
 
-def test_a_run_says_how_it_went(run: sr.Run) -> None:
+def test_a_run_has_reason_verdict_and_metrics_of_its_log(run: sr.Run) -> None:
     """Reason, verdict and metrics are those of the log; two seconds are too short to settle."""
     assert (run.reason, run.passed) == ("completed", False)
     assert run.reason == run.log.end_reason
@@ -227,7 +229,7 @@ def test_a_temporary_log_lives_as_long_as_it_is_read() -> None:
     assert not directory.exists()
 
 
-def test_a_log_stays_where_it_was_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_relative_out_is_resolved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A relative ``out`` is a place, also after the working directory has changed; a later run replaces it."""
     monkeypatch.chdir(tmp_path)
     first = sr.run(NAME, CHANGES, out="runs/one")

@@ -31,7 +31,7 @@ vary: {controller.law: [computed_torque, pd]}
 """
 MANIFEST = """
 title: A paper
-citation: "Nobody, Tests 1, 2023"
+citation: "Anon, Tests 1, 2023"
 figures:
   8:
     title: Orientation

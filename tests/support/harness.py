@@ -29,7 +29,7 @@ ROUNDS = 12
 
 
 @dataclass
-class Flight:
+class RunningGraph:
     """Nodes of a run under the test's control."""
 
     composition: Composition
@@ -75,7 +75,7 @@ class Flight:
         while monotonic() < end:
             self.executor.spin_once(timeout_sec=0.01)
 
-    def say(self, topic: Topic, raw: bytes) -> None:
+    def publish(self, topic: Topic, raw: bytes) -> None:
         """The foreign node publishes raw bytes."""
         if topic not in self._speakers:
             self._speakers[topic] = self.stranger.publisher(topic)
@@ -86,14 +86,14 @@ class Flight:
 
 
 @contextmanager
-def flight(
+def running_graph(
     directory: Path,
     *overrides: str,
     experiment: str = "liu2023/fig08",
     roles: tuple[str, ...] = ("recorder", "guidance", "controller", "simulator"),
     realtime: float | None = None,
     services: bool = False,
-) -> Iterator[Flight]:
+) -> Iterator[RunningGraph]:
     """A composed graph with the given roles in one private context; the recorder's log is closed at the end.
 
     With ``services`` the nodes have those of parameters and of the life cycle, as nodes of their own processes have.
@@ -110,7 +110,7 @@ def flight(
         executor = EventsExecutor(context=context)
         for node in (*nodes.values(), stranger):
             executor.add_node(node)
-        made = Flight(composition, context, executor, nodes, stranger, directory)
+        made = RunningGraph(composition, context, executor, nodes, stranger, directory)
         try:
             yield made
         finally:

@@ -1,4 +1,4 @@
-"""Bags that somebody made to do harm: a harmless run, with another header."""
+"""Bags that are made to do harm: a harmless run, with another header."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from space_robot_msgs_py.log.writer import LogSink
 
 Edit = Callable[[dict[str, Any]], None]
 
-# A law that leaves a mark when anybody as much as imports it.
+# A law that leaves a mark when it is as much as imported.
 EVIL = """
 from pathlib import Path
 import numpy as np

@@ -12,7 +12,7 @@ from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, PlantSamp
 from space_robot_msgs_py.log.writer import LogSink
 
 EXPERIMENT = "liu2023/fig08"
-FLOWN = "duration=20.0"
+SHORT = "duration=20.0"
 OVERRIDES = ("control_period=0.1", "expect={}")
 
 
@@ -26,13 +26,13 @@ def write_long_log(directory: Path, count: int) -> Composition:
     Returns:
         What its experiment composes to.
     """
-    flown = fly_in_memory(compose(load_experiment(EXPERIMENT, (*OVERRIDES, FLOWN)))).ticks
-    period = flown[1].stamp
+    ticks = fly_in_memory(compose(load_experiment(EXPERIMENT, (*OVERRIDES, SHORT)))).ticks
+    period = ticks[1].stamp
     duration = f"duration={(count - 1) * period / NANOSECONDS!r}"
     composition = compose(load_experiment(EXPERIMENT, (*OVERRIDES, duration)))
     sink = LogSink(directory, composition.header, custom={"mode": "headless"})
     for index in range(count):
-        sink.record(moved(flown[index % len(flown)], index * period))
+        sink.record(moved(ticks[index % len(ticks)], index * period))
     sink.close("completed")
     return composition
 

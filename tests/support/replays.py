@@ -1,4 +1,4 @@
-"""Short flights and what a replay of them must say."""
+"""Short runs and what a replay of them must say."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from pathlib import Path
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import Mode, run_experiment
-from space_robot_bringup.replay.replay import Order, Replayed, replay
+from space_robot_bringup.replay.replay import Replayed, ReplayOptions, replay
 
 
-def fly(place: Path, experiment: str, *overrides: str, mode: Mode = "headless") -> Path:
-    """Fly a shipped experiment into a run directory."""
+def record_run(place: Path, experiment: str, *overrides: str, mode: Mode = "headless") -> Path:
+    """Run a shipped experiment into a run directory."""
     run_experiment(load_experiment(experiment, overrides), place, mode=mode)
     return place
 
 
-def replayed(bag: Path, **order: object) -> Replayed:
+def replayed(bag: Path, **options: object) -> Replayed:
     """What comes out of a bag."""
-    return replay(bag, Order(**order))  # type: ignore[arg-type]
+    return replay(bag, ReplayOptions(**options))  # type: ignore[arg-type]
 
 
 def assert_equal(bag: Path) -> None:

@@ -48,7 +48,7 @@ class Adaptive(Law):
     of sec. 2 makes the dynamics nonlinear in pi) but from the command; both Y of (38) and (44) are Slotine-Li's with
     four arguments; K_D = kappa M(pi_0, Theta_0) is the full matrix, M reduced by the free translation; (40) is weighted
     by the torque noise, in square-root form and with a reset; (44) has the term of translation; ``lead`` and
-    ``consistency`` are ours. docs/papers/liu2023.md lists the errata.
+    ``consistency`` are not in it. docs/papers/liu2023.md lists the errata.
 
     Args:
         robot: the NOMINAL robot.

@@ -2,8 +2,8 @@
 
 x = [position inertial, yaw, pitch, roll, joints], R = Rz Ry Rx; pi has [m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz] about the
 joint origin, body after body, base first. Arguments q, v, a are Pinocchio's free-flyer: v = G x', u = G^-T tau. Errata:
-docs/papers/liu2023.md. Not here, because ours: ``lead``, ``gyroscopic``, ``consistency``, ``rls.reset``, and that RLS
-leaves out a period whose command was beyond the actuators.
+docs/papers/liu2023.md. Not in the paper and so not here: ``lead``, ``gyroscopic``, ``consistency``, ``rls.reset``, and
+that RLS leaves out a period whose command was beyond the actuators.
 """
 
 from __future__ import annotations

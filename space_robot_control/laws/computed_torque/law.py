@@ -26,7 +26,7 @@ class Bandwidth(PerDof):
 class ComputedTorque(Law):
     """u = M0(q) a + c0(q, v) + omega x h with a = feed-forward + Kd e_v + Kp e_x, Kp = wn^2 and Kd = 2 zeta wn per DoF.
 
-    M0 and c0 are the nominal robot's, h the momentum of its wheels (``gyroscopic``, ours), e_x, e_v and the
+    M0 and c0 are the nominal robot's, h the momentum of its wheels (``gyroscopic``, added), e_x, e_v and the
     feed-forward those of ``TrackingErrors``. With an exact model and a short period each error obeys
     e'' + 2 zeta wn e' + wn^2 e = 0: the base position in inertial axes if its bandwidth is one number, the attitude to
     first order in the error, the joints exactly.

@@ -48,7 +48,11 @@ class IncrementalController:
 
     Reference: Song et al. (2023), (16), index of the third sum corrected.
 
-    Deviations from the paper: lambda relative to phi; the limit and its anti-windup.
+    lambda = kappa phi^T phi vanishes with phi, so that in a direction in which phi is nearly singular any kappa is
+    dead-beat on noise. There lambda has a floor: it grows by as much as the square of the smallest singular value of
+    phi is below that of ``gradient.least_gain``.
+
+    Deviations from the paper: lambda relative to phi, and its floor; the limit and its anti-windup.
     """
 
     def __init__(self, weights: Weights, output_order: int, input_order: int, limit: Vector) -> None:
@@ -97,13 +101,15 @@ class IncrementalController:
             past = past + np.multiply(rho[i], gradient.block(i) @ self._dy[i])
         for i in range(1, self._orders[1]):
             past = past + np.multiply(rho[ly + i], gradient.block(ly + i) @ self._du[i - 1])
-        step = self._solve(gradient.block(ly), np.column_stack([rho[ly] * error, -past]))
+        step = self._solve(gradient.block(ly), gradient.least_gain, np.column_stack([rho[ly] * error, -past]))
         self._accumulate(step[:, 0], step[:, 1])
         return self._command
 
-    def _solve(self, phi: Vector, change: Vector) -> Vector:
+    def _solve(self, phi: Vector, least: float, change: Vector) -> Vector:
         share = np.broadcast_to(1.0 + np.asarray(self._weights.kappa), self._limit.shape)
         weighted = (phi.T * share) @ phi + self._weights.control * np.eye(self._limit.size)
+        if (smallest := float(np.linalg.svd(phi, compute_uv=False)[-1])) < least:
+            weighted += (least**2 - smallest**2) * np.eye(self._limit.size)
         try:
             step: Vector = np.array(np.linalg.solve(weighted, phi.T @ change))
         except np.linalg.LinAlgError:

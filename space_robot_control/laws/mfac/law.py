@@ -88,7 +88,9 @@ class ModelFree(Law):
     def retune(self, gains: Gains) -> None:
         """Go on with another kappa or rho; Phi and the past stay."""
         if gains.adjust:
-            raise SpecError("chosen in flight", key="controller.gains.adjust", value=True, accepted="false, to tune")
+            raise SpecError(
+                "chosen during the run", key="controller.gains.adjust", value=True, accepted="false, to tune"
+            )
         self._tuning = tuning(gains, self.channels, self.control_period)
         if self._loop is not None:
             self._loop.controller.set_weights(_weights(gains, self._tuning))

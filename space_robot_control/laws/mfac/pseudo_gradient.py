@@ -24,6 +24,9 @@ class PseudoGradient:
     and is reset to Phi(1) where phi_{Ly+1} loses its direction: where an entry of diag(phi phi(1)^-1) falls below
     ``floor``; for one channel, where it changes sign or becomes tiny.
 
+    Attributes:
+        least_gain: ``floor`` times the smallest singular value of phi_{Ly+1}(1): weaker responses are not believed.
+
     Args:
         first: (m, m (Ly+Lu)) Phi(1), in the units of outputs and inputs.
         output_order: Ly, at least 1.
@@ -52,6 +55,7 @@ class PseudoGradient:
         if not np.isfinite(first).all() or np.linalg.cond(gain) > 1e12:
             raise SpecError("has no inverse", key="first (phi of the input)", value=gain.tolist())
         self._back = np.linalg.inv(gain)
+        self.least_gain = floor * float(np.linalg.svd(gain, compute_uv=False)[-1])
         self._sigma, self._beta, self._floor = sigma, beta, floor
         self.reset()
 

@@ -1,9 +1,9 @@
 """Model-free adaptive control on one screen: (15)-(19) of Song, Zheng, Guo, Yuan, Aerospace 10(1):90, 2023, corrected.
 
 y has the channels of ``pd/reference.py``; y* - y is their error e, and the output is e or, with a lead c, z = e + c e'.
-Ours and nevertheless here: the law takes increments of the error, the estimator those of the robot's own motion, and
-both in units of their own. Errata: docs/papers/song2023.md. Not here, because ours: limits and anti-windup, ``filter``,
-``adjust``, ``initial`` by push or pulses.
+Not in the paper and nevertheless here: the law takes increments of the error, the estimator those of the robot's own
+motion, and both in units of their own. Errata: docs/papers/song2023.md. Not in the paper and so not here: limits and
+anti-windup, ``filter``, ``adjust``, ``initial`` by push or pulses.
 """
 
 from __future__ import annotations
@@ -85,6 +85,9 @@ class Mfac:
         past += sum(self.phi(L_y + i) @ self.du[i - 1] for i in range(1, L_u))
         phi, weight = self.phi(L_y), np.diag(1.0 + self.kappa)
         W = phi.T @ weight @ phi + self.lambda_ * np.eye(self.m)
+        phi_1 = self.Phi_1[:, self.m * L_y : self.m * (L_y + 1)]
+        least, smallest = self.floor * np.linalg.svd(phi_1)[1].min(), np.linalg.svd(phi)[1].min()
+        W += max(0.0, least**2 - smallest**2) * np.eye(self.m)
         du = np.linalg.inv(W) @ phi.T @ (self.rho * (self.S_y @ z) - past)  # (16)
         self.z, self.last, self.u, self.du = z, (q, v, e_dot, desired), self.u + du, [du, *self.du][:L_u]
         out = np.zeros(self.model.nv)

@@ -43,7 +43,7 @@ def tuning(gains: MfacGains, channels: Channels, period: float) -> Tuning:
 
 
 def adjusted(gain: Vector, limit: Vector, error: Vector, period: float) -> Tuning:
-    """Return a tuning for a step of this size with this authority: the paper's announced next step, in our reading.
+    """Return a tuning for a step of this size with this authority: the paper's announced next step, as read here.
 
     tau = sqrt(|e| / (b u_max)) is the time scale of the fastest step; c = 0.65 tau leaves the limit in time, and the
     loop of z crosses over at 3 / tau, that is kappa = tau / (3 T) - 1, not below 1.

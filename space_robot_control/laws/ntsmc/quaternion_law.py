@@ -31,7 +31,7 @@ class Ntsmc(TerminalSliding):
         form is 1/Phi times too weak. |xi|^2 in (28c) is floored at Phi: at rest xi/|xi|^2 is 0/0. Powers of rates are
         of absolute values where the proof needs a positive weight, (13), (28b), (29). eps_e' has w_b + w_d where the
         paper prints w_e, which is exact only for w_d = 0. u_1 has C0, the nominal bias. Leak, cap and freeze of K_hat,
-        the clamp, the observer and direction-preserving saturation are ours and off by default; ``per_axis`` is the
+        the clamp, the observer and direction-preserving saturation are not in it, off by default; ``per_axis`` is the
         clip of the paper's actuators. Free-floating robots have no sliding variable for translation.
 
     Reference: [Giordano and Cenedese 2023, secs. IV, V], arXiv 2305.15007.

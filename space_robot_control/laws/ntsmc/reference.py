@@ -2,7 +2,7 @@
 
 x' = [v_b, w_b, q'] has base parts in the inertial frame; errors are actual minus desired. Arguments q, v, a are
 Pinocchio's free-flyer: v = G x', hence M0 = G^T M G and C0 = G^T (c + M G' x'). Errata: docs/papers/giordano2023.md.
-Not here, because ours: ``gyroscopic``; off by default clamp, leak, cap, freeze of K_hat, saturation, the observer.
+Not in the paper and so not here: ``gyroscopic``; off by default clamp, leak, cap, freeze, saturation, the observer.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Ntsmc:
         model: the nominal ``pin.Model``, free-flyer root, no gravity.
         T: control period [s].
         rotation: representation of the base rotation.
-        free_floating: ours: no force acts on the base, whose translation has no s and follows from zero force.
+        free_floating: not in the paper; without a base force translation has no s and follows from zero force.
     """
 
     def __init__(

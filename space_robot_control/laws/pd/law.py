@@ -35,7 +35,7 @@ class ProportionalDerivative(Law):
 
     The equations on one screen: ``reference.py``.
 
-    Deviations from the paper: Song et al. (2023) compare with nothing; this baseline is ours.
+    Deviations from the paper: Song et al. (2023) compare with nothing; this baseline is an addition.
     """
 
     class Gains(Law.Gains):

@@ -132,7 +132,7 @@ def test_an_override_is_no_base(space_robot: Tool, tmp_path: Path, command: str)
     refused(space_robot(command, "liu2023/fig08", "--set", "base=liu2023/fig09"), "base", "is for experiment files")
 
 
-def test_what_is_resolved_has_no_base() -> None:
+def test_a_resolved_experiment_that_names_a_base_is_refused() -> None:
     """The experiment of a log, or of a case, that names a base is refused, and no file is read for it."""
     data = parse_yaml_text(WHOLE, "whole") | {"base": "/etc/passwd"}
     with pytest.raises(SpecError, match="log base: is for experiment files: a resolved experiment is whole"):

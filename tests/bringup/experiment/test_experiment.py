@@ -32,7 +32,7 @@ from space_robot_msgs_py.log.reader import LogReader
 
 @pytest.mark.parametrize("name", shipped("experiments"))
 def test_every_shipped_experiment_composes(name: str) -> None:
-    """What is shipped can be flown: robots, law, gains, reference and expectations all fit."""
+    """What is shipped can be run: robots, law, gains, reference and expectations all fit."""
     composition = compose(load_experiment(name))
     assert composition.experiment.title
     assert composition.experiment.steps > 10
@@ -122,14 +122,14 @@ def test_a_robot_beside_the_experiment_is_found(tmp_path: Path) -> None:
     for suffix in ("yaml", "urdf"):
         (tmp_path / f"mine.{suffix}").write_bytes((config_dir() / "robots" / f"mini.{suffix}").read_bytes())
     (tmp_path / "mine.yaml").write_text((tmp_path / "mine.yaml").read_text().replace("mini.urdf", "mine.urdf"))
-    (tmp_path / "flight.yaml").write_text(
+    (tmp_path / "task.yaml").write_text(
         "robot: mine.yaml\ncontrol_period: 0.5\nduration: 1.0\nreference: {kind: hold}\n"
     )
-    assert compose(load_experiment(str(tmp_path / "flight.yaml"))).nominal.n == 4
+    assert compose(load_experiment(str(tmp_path / "task.yaml"))).nominal.n == 4
 
 
 @given(st.integers(1, 10_000), st.sampled_from([0.1, 0.02, 0.25, 0.05, 0.5, 1.0, 0.3]))
-def test_every_decimal_multiple_of_the_period_is_one(steps: int, period: float) -> None:
+def test_every_decimal_multiple_of_the_period_is_accepted(steps: int, period: float) -> None:
     """Durations people write (0.3 s of 0.1 s) divide exactly: decimals are counted as decimals."""
     from decimal import Decimal
 
@@ -149,7 +149,7 @@ def test_nanoseconds_are_exact() -> None:
     assert with_duration(load_experiment("liu2023/fig08"), 10.0).steps == 40
 
 
-def test_what_was_asked_before_can_be_asked_again(tmp_path: Path) -> None:
+def test_a_recorded_reference_repeats_the_desired_motion(tmp_path: Path) -> None:
     """A recorded reference takes the reference of a log, bit for bit, and the resolved file needs no log any more."""
     run_experiment(load_experiment("liu2023/fig08", ["duration=5.0"]), tmp_path / "first", mode="headless")
     again = tmp_path / "again.yaml"

@@ -71,7 +71,7 @@ def test_an_index_tells_what_the_messages_tell(bag: Path, tmp_path: Path) -> Non
 
 
 def test_a_small_bag_is_looked_at_as_a_whole(bag: Path) -> None:
-    """Below the limit every message is looked at without being told to."""
+    """Below the limit every message is looked at without `--full`."""
     assert not bag_info(bag).by_index
 
 

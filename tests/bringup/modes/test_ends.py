@@ -30,18 +30,18 @@ MODES = [
 QUICK = MODES[:2]
 
 
-def fly(place: Path, mode: Mode, *overrides: str, hooks: Hooks | None = None) -> RunResult:
+def run_mode(place: Path, mode: Mode, *overrides: str, hooks: Hooks | None = None) -> RunResult:
     if mode != "headless":
         pytest.importorskip("rclpy")
     return run_experiment(load_experiment("liu2023/fig08", overrides), place, mode=mode, hooks=hooks)
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_whatever_a_law_raises_is_one_line(tmp_path: Path, mode: Mode) -> None:
+def test_any_exception_of_a_law_ends_the_run_with_one_line(tmp_path: Path, mode: Mode) -> None:
     """The reason names the law, the tick and the cause, ``SystemExit`` too, and is the log's; the log has the state."""
     failures: list[BaseException] = []
     hooks = Hooks(on_failure=failures.append)
-    result = fly(tmp_path / "run", mode, "controller.law=tests.support.laws:Exits", "duration=5.0", hooks=hooks)
+    result = run_mode(tmp_path / "run", mode, "controller.law=tests.support.laws:Exits", "duration=5.0", hooks=hooks)
     assert result.end_reason == "controller: law exits at tick 2: SystemExit: enough of this"
     assert LogReader(tmp_path / "run").end_reason == result.end_reason
     assert not result.passed
@@ -107,7 +107,7 @@ def test_a_log_that_cannot_be_written_ends_the_run(tmp_path: Path, mode: Mode, f
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     duration = "duration=25.0" if fault is in_the_way else "duration=2500.0"
     try:
-        result = fly(run, mode, duration, hooks=Hooks(on_tick=on_tick))
+        result = run_mode(run, mode, duration, hooks=Hooks(on_tick=on_tick))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert result.end_reason.startswith(f"recorder: {run / 'run_0.mcap'}: the log cannot be written: ")
@@ -121,16 +121,16 @@ def test_a_log_that_cannot_be_written_ends_the_run(tmp_path: Path, mode: Mode, f
 
 @pytest.mark.parametrize("mode", MODES)
 def test_two_runs_never_share_a_directory(tmp_path: Path, mode: Mode) -> None:
-    """The second run into a directory that is written to is refused before it flies, and touches nothing."""
+    """The second run into a directory that is written to is refused before it runs, and touches nothing."""
     with RunDirectory(tmp_path / "run") as place:
         place.bag.write_bytes(b"of the first")
         with pytest.raises(LogError, match="another run is writing here"):
-            fly(tmp_path / "run", mode)
+            run_mode(tmp_path / "run", mode)
         assert place.bag.read_bytes() == b"of the first"
 
 
 def test_a_run_that_cannot_be_made_leaves_no_directory(tmp_path: Path) -> None:
-    """Where nothing was flown, no empty run directory stays, and an earlier run stays as it is."""
+    """Where nothing was run, no empty run directory stays, and an earlier run stays as it is."""
     composition = compose(load_experiment("liu2023/fig08", ["duration=1.0"]))
     LogSink(tmp_path / "old", composition.header).close("completed")
     kept = (tmp_path / "old" / "old_0.mcap").read_bytes()

@@ -25,7 +25,7 @@ def kill_me(number: signal.Signals) -> None:
 
 
 @pytest.mark.parametrize(("number", "reason"), [(signal.SIGINT, "interrupted"), (signal.SIGTERM, "terminated")])
-def test_before_anything_has_begun_a_signal_ends_it_at_once(number: signal.Signals, reason: str) -> None:
+def test_a_signal_before_the_run_raises_at_once(number: signal.Signals, reason: str) -> None:
     """While nothing looks at the reason there is nothing to end in order: the signal raises where it arrives."""
     with RunStop(signal.SIGINT, signal.SIGTERM) as stop:
         with pytest.raises(Interrupted) as caught:

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from space_robot_bringup.modes.tether import LONGEST_PACKET, PARENT_DIED, ChildEnd, ParentEnd
+from space_robot_bringup.modes.tether import MAX_PACKET, PARENT_DIED, ChildEnd, ParentEnd
 
 STUCK = """
 import sys, threading
@@ -17,7 +17,7 @@ from space_robot_bringup.modes import tether
 end = tether.ChildEnd(int(sys.argv[1]), lambda reason: print(reason, flush=True))
 end.grace = 0.1
 end.tell(tick=3)
-print("print is nobody's message", flush=True)
+print("print is no message", flush=True)
 while True:
     pass
 """
@@ -33,7 +33,7 @@ def pair() -> tuple[ParentEnd, ChildEnd, queue.Queue[str]]:
 
 
 def test_news_and_orders_arrive_whole_and_in_order() -> None:
-    """What the child tells comes as it was told; an order comes once, and a later one only says that there is hurry."""
+    """What the child sends arrives unchanged; an order comes once, and a later one only says that there is hurry."""
     parent, child, orders = pair()
     for tick in range(3):
         child.tell(tick=tick)
@@ -46,7 +46,7 @@ def test_news_and_orders_arrive_whole_and_in_order() -> None:
 
 
 def test_the_end_of_the_line_is_the_death_of_the_parent() -> None:
-    """A child whose parent is gone is told so, and what it still says harms nobody."""
+    """A child whose parent is gone is notified, and what it still sends does no harm."""
     parent, child, orders = pair()
     parent.close()
     assert orders.get(timeout=20.0) == PARENT_DIED
@@ -54,7 +54,7 @@ def test_the_end_of_the_line_is_the_death_of_the_parent() -> None:
     child.tell(tick=1)
 
 
-@pytest.mark.parametrize("size", [LONGEST_PACKET - 100, LONGEST_PACKET, 10 * LONGEST_PACKET])
+@pytest.mark.parametrize("size", [MAX_PACKET - 100, MAX_PACKET, 10 * MAX_PACKET])
 def test_a_reason_of_any_length_arrives(size: int) -> None:
     """A reason that is longer than a packet is cut, not lost."""
     parent, child, _ = pair()
@@ -73,7 +73,7 @@ def test_a_child_that_is_stuck_ends_with_its_parent() -> None:
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, pass_fds=(inherited,)) as child:
         parent.child.close()
         assert child.stdout is not None
-        assert child.stdout.readline() == "print is nobody's message\n"
+        assert child.stdout.readline() == "print is no message\n"
         assert parent.news() == {"tick": 3}
         parent.close()
         assert child.stdout.readline() == f"{PARENT_DIED}\n"

@@ -48,7 +48,7 @@ def test_one_bit_is_a_difference(effort, index, bit):
 
 @pytest.mark.parametrize("wild", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("tolerance", [EXACT, Tolerance(rtol=1e6, atol=1e300), Tolerance(atol=1e300)])
-def test_what_is_not_finite_is_never_equal(wild, tolerance):
+def test_a_non_finite_value_is_never_equal_to_a_number(wild, tolerance):
     """No tolerance makes a recorded NaN or infinity equal to a number."""
     poisoned = (command(0.0, 0.0)[0], command(0.0, 0.0)[1][:-8] + np.array([wild]).tobytes())
     assert compared(poisoned, command(0.0, 0.0), tolerance).first is not None
@@ -108,7 +108,7 @@ def test_a_message_that_does_not_fit_is_a_difference():
     assert WRENCH_COMMAND.name not in str(found.recorded)
 
 
-def test_changes_are_told_by_their_keys():
+def test_changes_are_named_by_their_keys():
     """Dotted key to recorded and new value, lists as values, nothing else."""
     data = {"robot": "mini", "control_period": 0.1, "duration": 1.0, "reference": {"kind": "hold"}}
     overrides = ["seed=3", "initial.position=[1, 0, 0]"]

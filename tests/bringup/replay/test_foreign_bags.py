@@ -1,4 +1,4 @@
-"""Bags that other tools wrote, with our topics in them: they replay, are shown and are recovered like ours."""
+"""Bags that other tools wrote, with the project's topics in them: they replay, are shown and recovered like its own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from space_robot_msgs_py.codec.schemas import schema_text, typestore
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.recover import recover
 from space_robot_msgs_py.topics import TABLE
-from tests.support.replays import fly, replayed
+from tests.support.replays import record_run, replayed
 from tests.support.tool import Tool, refused
 
 # A recording has wall times, and messages arrive in another order than they belong together.
@@ -30,9 +30,9 @@ SHORT = "duration=3.0"
 
 
 @pytest.fixture(scope="module")
-def ours(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three seconds of a noisy flight."""
-    return fly(tmp_path_factory.mktemp("logs") / "run", "liu2023/noise", SHORT)
+def run_log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three seconds of a noisy run."""
+    return record_run(tmp_path_factory.mktemp("logs") / "run", "liu2023/noise", SHORT)
 
 
 def recorded(log: Path, drop: tuple[str, ...] = ()) -> Iterator[tuple[str, int, bytes]]:
@@ -101,17 +101,17 @@ def run(bag: Path, **order: Any) -> Replayed:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_bags_of_other_tools_replay_to_the_bit(ours: Path, tmp_path: Path, form: str) -> None:
+def test_bags_of_other_tools_replay_to_the_bit(run_log: Path, tmp_path: Path, form: str) -> None:
     """Whatever the tool, chunks, compression, split, order and padding: controller and plant are equal."""
-    bag = write(form, ours, tmp_path / "bag")
+    bag = write(form, run_log, tmp_path / "bag")
     done = run(bag, namespace="robot1" if form == "namespace" else "")
     assert [outcome.against for outcome in done.outcomes] == ["controller", "plant"]
     for outcome in done.outcomes:
         assert outcome.first is None
         assert outcome.absent == ()
-        assert outcome.ticks == sum(1 for _ in LogReader(ours).ticks())
+        assert outcome.ticks == sum(1 for _ in LogReader(run_log).ticks())
     found = bag_info(bag)
-    assert found.messages == sum(topic.count for topic in bag_info(ours).topics if not topic.name.startswith("/tf"))
+    assert found.messages == sum(topic.count for topic in bag_info(run_log).topics if not topic.name.startswith("/tf"))
     assert found.damage == ()
     assert found.verdict.passed is None
     assert {
@@ -119,29 +119,29 @@ def test_bags_of_other_tools_replay_to_the_bit(ours: Path, tmp_path: Path, form:
     }.items() <= TYPES.items()
 
 
-def test_another_gain_shows_in_a_foreign_bag_too(ours: Path, tmp_path: Path) -> None:
+def test_another_gain_shows_in_a_foreign_bag_too(run_log: Path, tmp_path: Path) -> None:
     """The comparison is not for show."""
-    bag = write("lz4", ours, tmp_path / "bag")
+    bag = write("lz4", run_log, tmp_path / "bag")
     done = replayed(bag, experiment="liu2023/noise", overrides=[SHORT, "controller.gains.lambda=0.7"])
     assert [outcome.equal for outcome in done.outcomes] == [False, True]
 
 
-def test_what_is_missing_comes_from_the_experiment_or_is_named(ours: Path, tmp_path: Path) -> None:
+def test_topics_missing_in_a_bag_come_from_the_experiment_or_are_named(run_log: Path, tmp_path: Path) -> None:
     """References are functions of time; telemetry is not compared and named; states there must be."""
     references = tuple(topic.name for topic in TABLE if topic.kind == "reference")
-    bag = write("zstd", ours, tmp_path / "bag", (*references, "controller/telemetry", "plant/telemetry"))
+    bag = write("zstd", run_log, tmp_path / "bag", (*references, "controller/telemetry", "plant/telemetry"))
     done = run(bag)
     assert [outcome.equal for outcome in done.outcomes] == [True, True]
     assert [outcome.absent for outcome in done.outcomes] == [("controller/telemetry",), ("plant/telemetry",)]
-    poor = write("zstd", ours, tmp_path / "poor", ("joint_states", "joint_command"))
+    poor = write("zstd", run_log, tmp_path / "poor", ("joint_states", "joint_command"))
     with pytest.raises(OSError, match=r"nothing to compare with a controller.*joint_states"):
         run(poor)
 
 
-def test_without_an_experiment_the_tool_says_what_it_needs(space_robot: Tool, ours: Path, tmp_path: Path) -> None:
+def test_without_an_experiment_the_tool_says_what_it_needs(space_robot: Tool, run_log: Path, tmp_path: Path) -> None:
     """No header, another namespace, another period, another robot: one line each, with what would do."""
-    write("zstd", ours, tmp_path / "bag")
-    write("namespace", ours, tmp_path / "spaced")
+    write("zstd", run_log, tmp_path / "bag")
+    write("namespace", run_log, tmp_path / "spaced")
     options = ("--experiment", "liu2023/noise", "--set", SHORT)
     refused(space_robot("replay", "bag"), "--experiment")
     refused(space_robot("replay", "spaced", *options), "none of our topics", "--namespace robot1")
@@ -150,15 +150,15 @@ def test_without_an_experiment_the_tool_says_what_it_needs(space_robot: Tool, ou
     )
     refused(space_robot("replay", "bag", "--experiment", "compare/servicer"), "bag")
     assert space_robot("replay", "spaced", *options, "--namespace", "/robot1").returncode == 0
-    refused(space_robot("replay", "bag", *options, "--update-refs", "--json"), "flown again")
+    refused(space_robot("replay", "bag", *options, "--update-refs", "--json"), "run again")
 
 
-def test_info_of_a_foreign_bag(space_robot: Tool, ours: Path, tmp_path: Path) -> None:
+def test_info_of_a_foreign_bag(space_robot: Tool, run_log: Path, tmp_path: Path) -> None:
     """Topics, types, rates and times are those of the bag; there is no verdict without an experiment, and no NaN."""
-    write("split", ours, tmp_path / "bag")
+    write("split", run_log, tmp_path / "bag")
     said = json.loads(space_robot("info", "bag", "--json").stdout)
     topics = {topic["name"]: topic for topic in said["topics"]}
-    period = LogReader(ours).arrays().time[1]
+    period = LogReader(run_log).arrays().time[1]
     assert topics["/base/odom"]["rate"] == pytest.approx(1.0 / period)
     assert topics["/base/odom"]["first"] == WALL
     assert said["passed"] is None
@@ -167,9 +167,9 @@ def test_info_of_a_foreign_bag(space_robot: Tool, ours: Path, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("form", ["rosbags", "lz4", "split"])
-def test_foreign_bags_are_recovered(ours: Path, tmp_path: Path, form: str) -> None:
+def test_foreign_bags_are_recovered(run_log: Path, tmp_path: Path, form: str) -> None:
     """Several files become one, with the names, types and times of the messages; a cut one gives its beginning."""
-    bag = write(form, ours, tmp_path / "bag")
+    bag = write(form, run_log, tmp_path / "bag")
     before = bag_info(bag)
     done = recover(bag, tmp_path / "good")
     after = bag_info(tmp_path / "good")
@@ -186,8 +186,8 @@ def test_foreign_bags_are_recovered(ours: Path, tmp_path: Path, form: str) -> No
     assert cut.damage
 
 
-def test_what_is_no_mcap_is_not_recovered(space_robot: Tool, ours: Path, tmp_path: Path) -> None:
+def test_recover_refuses_a_bag_that_is_not_mcap(space_robot: Tool, run_log: Path, tmp_path: Path) -> None:
     """SQLite has tools of its own for that: one line, and no directory."""
-    write("sqlite", ours, tmp_path / "bag")
+    write("sqlite", run_log, tmp_path / "bag")
     refused(space_robot("recover", "bag"), "plain MCAP")
     assert not (tmp_path / "bag_recovered").exists()

@@ -1,4 +1,4 @@
-"""Golden logs: each controller on two robots, flown once and for all, replayed here against what is in the tree now."""
+"""Golden logs: each controller on two robots, run once and for all, replayed here against what is in the tree now."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from space_robot_bringup.experiment.dotted_keys import set_key
 from space_robot_bringup.replay.comparison import Tolerance
 from space_robot_bringup.replay.recording import flat, open_recording
-from space_robot_bringup.replay.replay import Order, replay
+from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.log.reader import LogReader
@@ -21,13 +21,13 @@ GOLDEN = sorted(path.name for path in FOLDER.iterdir() if path.is_dir())
 # Another processor sums in another order: see docs/replay.md.
 NEARLY = Tolerance(rtol=5e-9, atol=1e-12)
 BREAK = 1.0 + 1e-6
-# Gains that do nothing in these flights, and why.
+# Gains that do nothing in these runs, and why.
 IDLE = {
     "rls.reset.threshold": "no estimate is reset",
     "tracking.gain": "the weight does not follow a moving parameter",
     "tracking.floor": "likewise",
-    "pitch_limit_deg": "nobody gets near it",
-    "smallest_cosine": "nobody gets near it",
+    "pitch_limit_deg": "no run gets near it",
+    "smallest_cosine": "no run gets near it",
     "estimator.floor": "no pseudo-gradient falls that low",
     "initial.seconds": "Phi(1) comes from the model",
     "initial.trust": "likewise",
@@ -39,7 +39,7 @@ IDLE_ON_A_FLOATING_BASE = ("rls.force_noise", "translation")
 @pytest.mark.parametrize("name", GOLDEN)
 def test_the_golden_logs_replay(name: str) -> None:
     """Controller and plant of today give the commands and states of the day the log was made."""
-    outcomes = replay(FOLDER / name, Order(tolerance=NEARLY)).outcomes
+    outcomes = replay(FOLDER / name, ReplayOptions(tolerance=NEARLY)).outcomes
     assert [outcome.against for outcome in outcomes] == ["controller", "plant"]
     for outcome in outcomes:
         assert outcome.first is None, f"{outcome.first}; if it is meant so: make golden"
@@ -65,8 +65,8 @@ def test_a_gain_that_is_a_millionth_off_is_caught(name: str) -> None:
         if isinstance(value, float) and value and not idle:
             broken = deepcopy(gains)
             set_key(broken, key, value * BREAK, key)
-            order = Order("controller", NEARLY, [f"controller.gains={json.dumps(broken)}"])
-            assert not replay(FOLDER / name, order).equal, key
+            options = ReplayOptions("controller", NEARLY, [f"controller.gains={json.dumps(broken)}"])
+            assert not replay(FOLDER / name, options).equal, key
             tried += 1
     assert tried
 
@@ -77,7 +77,7 @@ def test_a_broken_plant_is_caught() -> None:
     recording = open_recording(FOLDER / name)
     payload = recording.composition.experiment.plant.payload
     assert payload is not None
-    order = Order("plant", NEARLY, [f"plant.payload.mass={payload.mass * BREAK!r}"])
-    assert not replay(FOLDER / name, order).equal
+    options = ReplayOptions("plant", NEARLY, [f"plant.payload.mass={payload.mass * BREAK!r}"])
+    assert not replay(FOLDER / name, options).equal
     with pytest.raises(SpecError):
-        Order("wall")
+        ReplayOptions("wall")

@@ -37,7 +37,7 @@ from space_robot_sim.nodes.replayer import ReplayerNode
 from tests.support.follow import DEADLINE as PROCESS_SECONDS
 from tests.support.follow import ended
 from tests.support.forks import fork_main
-from tests.support.replays import fly
+from tests.support.replays import record_run
 from tests.support.tool import Tool, refused
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -49,11 +49,11 @@ TICKS, PERIOD = 21, 250_000_000
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Five seconds of fig08."""
-    return fly(tmp_path_factory.mktemp("logs") / "run", "liu2023/fig08", SHORT)
+    return record_run(tmp_path_factory.mktemp("logs") / "run", "liu2023/fig08", SHORT)
 
 
 class Stranger(Node):  # type: ignore[misc]
-    """A controller of somebody else: it knows topic names, standard messages and a gain, nothing of this project."""
+    """A third-party controller: it knows topic names, standard messages and a gain, nothing of this project."""
 
     def __init__(self, context: Context, answers: bool = True) -> None:
         super().__init__("stranger", context=context)
@@ -61,14 +61,14 @@ class Stranger(Node):  # type: ignore[misc]
         self.stamps: list[int] = []
         self.heard: dict[str, int] = {}
         self.commands: list[int] = []
-        self._answers, self._odometry, self._asked = answers, dict[int, Odometry](), dict[int, JointTrajectory]()
+        self._answers, self._odometry, self._requested = answers, dict[int, Odometry](), dict[int, JointTrajectory]()
         self._joints: dict[int, JointState] = {}
         self._wrench = self.create_publisher(WrenchStamped, "base/wrench_command", latched)
         self._effort = self.create_publisher(JointState, "joint_command", latched)
         for kind, topic, keep in (
             (Odometry, "base/odom", self._odometry),
             (JointState, "joint_states", self._joints),
-            (JointTrajectory, "reference/joints", self._asked),
+            (JointTrajectory, "reference/joints", self._requested),
         ):
             self.create_subscription(kind, topic, self._taker(topic, keep), latched)
         self.create_subscription(String, "robot_description", self._description, latched)
@@ -79,8 +79,8 @@ class Stranger(Node):  # type: ignore[misc]
             stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
             self.heard[topic] = self.heard.get(topic, 0) + 1
             keep[stamp] = message
-            if all(stamp in kept for kept in (self._odometry, self._joints, self._asked)):
-                self._answer(stamp, self._joints.pop(stamp), self._asked.pop(stamp))
+            if all(stamp in kept for kept in (self._odometry, self._joints, self._requested)):
+                self._answer(stamp, self._joints.pop(stamp), self._requested.pop(stamp))
                 self._odometry.pop(stamp)
 
         return take
@@ -101,7 +101,7 @@ class Stranger(Node):  # type: ignore[misc]
 
 
 class Stage:
-    """A replayer and whoever listens to it, under the test's control."""
+    """A replayer and what listens to it, under the test's control."""
 
     def __init__(self, replayer: ReplayerNode, other: Any, executor: Any, answers: Answers) -> None:
         self.replayer, self.other, self.executor, self.answers = replayer, other, executor, answers
@@ -157,7 +157,7 @@ def stage(bag: Path, other: Callable[[Context], Any] = Stranger, **order: Any) -
 
 
 def test_a_strangers_controller_answers_every_recorded_state(bag: Path) -> None:
-    """In lock-step each state waits for its command; at the end every answer is held against the recorded one."""
+    """In lock-step each state waits for its command; at the end every answer is compared with the recorded one."""
     with stage(bag) as on:
         on.until(lambda: on.replayer.end_reason, "the end of the bag")
         assert on.replayer.end_reason == "completed"
@@ -168,22 +168,22 @@ def test_a_strangers_controller_answers_every_recorded_state(bag: Path) -> None:
 
 
 def test_the_recorded_law_answers_as_recorded(bag: Path) -> None:
-    """Our own controller node on the replayed states says what it said in the run, bit for bit."""
+    """The controller node on the replayed states says what it said in the run, bit for bit."""
     composition = compose(load_experiment("liu2023/fig08", [SHORT]))
 
-    def ours(context: Context) -> Any:
+    def own_controller(context: Context) -> Any:
         node = make_node("controller", composition, bag, realtime=None, mode="graph", context=context, **LIGHT)
         bring_up([node])
         return node
 
-    with stage(bag, ours) as on:
+    with stage(bag, own_controller) as on:
         on.until(lambda: on.replayer.end_reason, "the end of the bag")
         assert on.answers.comparison.compared == {"base/wrench_command": TICKS, "joint_command": TICKS}
         assert not on.answers.different
 
 
 def test_without_an_answer_the_state_stays(bag: Path) -> None:
-    """Nobody answers: the first state is published once and nothing follows; with little patience the run ends so."""
+    """Without answers the first state is published once and nothing follows; with little patience the run ends so."""
     with stage(bag, lambda context: Stranger(context, answers=False)) as on:
         on.until(lambda: on.other.stamps, "the first state")
         on.settle()
@@ -194,7 +194,7 @@ def test_without_an_answer_the_state_stays(bag: Path) -> None:
 
 
 @pytest.mark.parametrize("rate", [None, 100.0])
-def test_paused_it_takes_single_steps(bag: Path, rate: float | None) -> None:
+def test_a_paused_replayer_takes_single_steps(bag: Path, rate: float | None) -> None:
     """~/step gives one tick, ~/pause false the rest, ~/reset the first one again, in lock-step and timed."""
     with stage(bag, paused=True, rate=rate) as on:
         on.until(lambda: on.other.stamps == [0], "the first state")
@@ -210,7 +210,7 @@ def test_paused_it_takes_single_steps(bag: Path, rate: float | None) -> None:
         assert on.other.stamps[-TICKS:] == [tick * PERIOD for tick in range(TICKS)]
 
 
-def test_timed_it_waits_for_nobody(bag: Path) -> None:
+def test_a_timed_replay_waits_for_no_answer(bag: Path) -> None:
     """With a rate the clock advances, whether or not a command comes; every state is published once, in order."""
     with stage(bag, lambda context: Stranger(context, answers=False), rate=50.0) as on:
         on.until(lambda: on.replayer.end_reason, "the end of the bag")
@@ -218,8 +218,8 @@ def test_timed_it_waits_for_nobody(bag: Path) -> None:
         assert on.other.stamps == [tick * PERIOD for tick in range(TICKS)]
 
 
-def test_looped_it_begins_again(bag: Path) -> None:
-    """After the last tick comes the first, and nobody is told that the run is over."""
+def test_a_looped_replayer_begins_again(bag: Path) -> None:
+    """After the last tick comes the first, and the end of the run is not announced."""
     with stage(bag, loop=True) as on:
         on.until(lambda: len(on.other.stamps) > 2 * TICKS, "a third round")
         rounds = on.other.stamps[: 2 * TICKS]
@@ -227,7 +227,7 @@ def test_looped_it_begins_again(bag: Path) -> None:
         assert on.replayer.end_reason is None
 
 
-def test_what_is_published_is_what_was_asked_for(bag: Path) -> None:
+def test_publish_sends_the_topics_of_the_option(bag: Path) -> None:
     """By default what a controller hears; with `all` its commands too, timed; with names only those."""
     names = {topic.name for topic in PublishOrder().published}
     assert {"base/odom", "joint_states", "base/imu", "reference/base", "plant/telemetry"} <= names

@@ -11,7 +11,7 @@ import pytest
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.replay.comparison import Divergence, Tolerance
-from space_robot_bringup.replay.golden import refly
+from space_robot_bringup.replay.golden import update_reference
 from space_robot_bringup.replay.recording import Code
 from space_robot_bringup.replay.replay import Replayed
 from space_robot_bringup.replay.result import Outcome
@@ -21,7 +21,7 @@ from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.writer import LogSink, LogWriter
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND
-from tests.support.replays import assert_equal, fly, replayed
+from tests.support.replays import assert_equal, record_run, replayed
 from tests.support.tool import Tool, refused
 
 SHORT = "duration=5.0"
@@ -31,7 +31,7 @@ PERIOD = 250_000_000
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Five seconds of fig08, 21 ticks."""
-    return fly(tmp_path_factory.mktemp("logs") / "fig08", "liu2023/fig08", SHORT)
+    return record_run(tmp_path_factory.mktemp("logs") / "fig08", "liu2023/fig08", SHORT)
 
 
 def rewritten(source: Path, place: Path, change: object = None, drop: tuple[str, ...] = (), end: str = "") -> Path:
@@ -73,7 +73,7 @@ def test_another_gain_is_found_at_once_and_named(bag: Path) -> None:
     assert not done.equal
 
 
-def test_another_law_flies_the_recorded_states(bag: Path) -> None:
+def test_another_law_answers_the_recorded_states(bag: Path) -> None:
     """With another law the commands are compared and its telemetry has blocks the log has not."""
     done = replayed(bag, against="controller", overrides=["controller.law=pd"])
     assert one(done).ticks == 21
@@ -103,7 +103,7 @@ def test_tolerances_forgive_what_is_small(bag: Path) -> None:
         assert outcome.equal is equal
 
 
-def test_what_is_ignored_is_not_compared(bag: Path) -> None:
+def test_an_ignored_topic_or_block_is_not_compared(bag: Path) -> None:
     """A topic, or one block of it, can be left out by name."""
     order = {"against": "controller", "overrides": ["controller.gains.kappa=1.000001"]}
     ignore = ("base/wrench_command", "joint_command")
@@ -129,7 +129,7 @@ def test_one_changed_number_is_the_only_difference(bag: Path, tmp_path: Path) ->
     assert first(plant).stamp == 4 * PERIOD
 
 
-def test_a_cut_log_is_compared_to_its_end(bag: Path, tmp_path: Path) -> None:
+def test_a_truncated_log_is_compared_to_its_end(bag: Path, tmp_path: Path) -> None:
     """A log without the end of its run replays as far as it goes."""
     cut = rewritten(bag, tmp_path / "run", lambda stamp, parts: parts if stamp < 9 * PERIOD else None)
     done = replayed(cut)
@@ -137,7 +137,7 @@ def test_a_cut_log_is_compared_to_its_end(bag: Path, tmp_path: Path) -> None:
     assert [outcome.ticks for outcome in done.outcomes] == [9, 9]
 
 
-def test_a_gap_ends_the_comparison_and_is_said(bag: Path, tmp_path: Path) -> None:
+def test_a_gap_ends_the_comparison_with_a_remark(bag: Path, tmp_path: Path) -> None:
     """After a missing tick neither law nor plant knows the past: what follows is not compared, and a note says so."""
     gap = rewritten(bag, tmp_path / "run", lambda stamp, parts: None if stamp == 5 * PERIOD else parts)
     done = replayed(gap)
@@ -158,15 +158,15 @@ def test_a_controller_without_telemetry_is_compared_by_its_commands(bag: Path, t
         replayed(bare, against="controller")
 
 
-def test_what_a_paced_run_misses_is_missed_again(tmp_path: Path) -> None:
-    """Where the telemetry says that an older command acted, the fresh plant gets that one; nobody is asked twice."""
-    done = replayed(fly_with_losses(tmp_path / "paced", "liu2023/fig11"))
+def test_replay_repeats_the_missed_commands_of_a_paced_run(tmp_path: Path) -> None:
+    """Where the telemetry says that an older command acted, the fresh plant gets that one; no law is asked twice."""
+    done = replayed(run_with_losses(tmp_path / "paced", "liu2023/fig11"))
     assert done.equal, [outcome.first for outcome in done.outcomes]
     assert "states have no recorded answer" in done.outcomes[0].remarks[0]
-    assert "flown with an older command" in done.outcomes[1].remarks[0]
+    assert "run with an older command" in done.outcomes[1].remarks[0]
 
 
-def fly_with_losses(place: Path, experiment: str) -> Path:
+def run_with_losses(place: Path, experiment: str) -> Path:
     """What a paced run leaves: commands that came one period late, and some that never came."""
     composition = compose(load_experiment(experiment, [SHORT]))
     plant, law, reference = composition.plant(), composition.controller(), composition.reference()
@@ -176,7 +176,7 @@ def fly_with_losses(place: Path, experiment: str) -> Path:
     for index in range(21):
         asked = reference.at(sample.state.stamp)
         if index % 7 == 3:
-            # Nobody is there to answer, and who comes then starts anew.
+            # No controller is there to answer, and the next one is reset.
             law.reset_in_run()
             row = codec.encode_unanswered(sample, asked)
             due, late = late, None
@@ -191,7 +191,7 @@ def fly_with_losses(place: Path, experiment: str) -> Path:
     return place
 
 
-def test_gains_changed_in_flight_are_changed_again(tmp_path: Path) -> None:
+def test_recorded_gain_changes_are_replayed(tmp_path: Path) -> None:
     """A run in which gains were set at some state replays with them set there; without the event it differs there."""
     bag = tuned(tmp_path / "run", {7: {"gains.damping": 0.8}, 15: {"gains.damping": 0.7}})
     assert_equal(bag)
@@ -202,14 +202,16 @@ def test_gains_changed_in_flight_are_changed_again(tmp_path: Path) -> None:
     assert "do not fit" in one(other).remarks[0]
 
 
-def test_switches_in_flight_are_made_again(tmp_path: Path) -> None:
-    """A switch that somebody asked for replays where it happened; scheduled ones come by themselves."""
+def test_recorded_switches_are_replayed(tmp_path: Path) -> None:
+    """A requested switch replays where it happened; scheduled ones come by themselves."""
     bag = tuned(tmp_path / "run", {6: "ntsmc", 13: "mfac"}, "switch/mini", "controller.switches=[]")
     assert_equal(bag)
-    assert not refly(replayed(bag).recording), "the same flight, switches and all, is another file"
+    assert not update_reference(replayed(bag).recording), "the same run, switches and all, is another file"
     forgotten = rewritten(bag, tmp_path / "forgotten", drop=("controller/events",))
     assert first(one(replayed(forgotten, against="controller"))).stamp == 6 * PERIOD
-    assert_equal(fly(tmp_path / "scheduled", "switch/mini", SHORT, "controller.switches=[{time: 2.0, to: ntsmc}]"))
+    assert_equal(
+        record_run(tmp_path / "scheduled", "switch/mini", SHORT, "controller.switches=[{time: 2.0, to: ntsmc}]")
+    )
 
 
 def tuned(
@@ -218,7 +220,7 @@ def tuned(
     experiment: str = "compare/mini",
     override: str = "controller.law=computed_torque",
 ) -> Path:
-    """A flight whose gains are set, or whose law is switched, at some ticks."""
+    """A run whose gains are set, or whose law is switched, at some ticks."""
     composition = compose(load_experiment(experiment, [SHORT, override]))
     plant, law, reference = composition.plant(), composition.controller(), composition.reference()
     sink = LogSink(place, composition.header)
@@ -241,7 +243,7 @@ def tuned(
 def test_a_run_that_ended_with_an_error_ends_so_again(tmp_path: Path, law: str) -> None:
     """The reason of the end is compared too: the same law gives up at the same state with the same words."""
     name = "tests.support.laws:GivesUp" if law == "gives_up" else "none"
-    bag = fly(tmp_path / "run", "compare/mini", SHORT, f"controller.law={name}")
+    bag = record_run(tmp_path / "run", "compare/mini", SHORT, f"controller.law={name}")
     code = Code(allowed=True)
     assert_equal_up_to_the_end(replayed(bag, code=code))
     if law == "gives_up":
@@ -259,14 +261,14 @@ def assert_equal_up_to_the_end(done: Replayed) -> None:
 def test_a_plant_that_broke_breaks_again(tmp_path: Path) -> None:
     """An integration that failed in the run fails in the replay, with the same reason."""
     broken = ("initial.angular_velocity=[1.0e14, 0, 0]", "controller.law=none")
-    bag = fly(tmp_path / "run", "compare/mini", SHORT, *broken)
+    bag = record_run(tmp_path / "run", "compare/mini", SHORT, *broken)
     assert (LogReader(bag).end_reason or "").startswith("simulator: ")
     assert_equal_up_to_the_end(replayed(bag))
     forged = rewritten(bag, tmp_path / "forged", end="simulator: out of fuel")
     assert first(one(replayed(forged, against="plant"))).field == "state"
 
 
-def test_the_tool_says_it_and_exits_by_it(space_robot: Tool, bag: Path) -> None:
+def test_replay_prints_the_verdict_and_exits_by_it(space_robot: Tool, bag: Path) -> None:
     """0 where everything is equal, 1 where not; JSON says the same as the lines."""
     done = space_robot("replay", str(bag))
     assert done.returncode == 0, done.stderr
@@ -303,7 +305,7 @@ def test_bad_orders_get_one_line(
     refused(space_robot("replay", str(bag), *arguments), *words)
 
 
-def test_no_bag_gets_one_line(space_robot: Tool, tmp_path: Path) -> None:
+def test_replay_of_a_missing_bag_is_one_line(space_robot: Tool, tmp_path: Path) -> None:
     """No bag, or an empty directory, is one line and exit 2."""
     refused(space_robot("replay", "nowhere"), "nowhere")
     (tmp_path / "empty").mkdir()
@@ -311,12 +313,12 @@ def test_no_bag_gets_one_line(space_robot: Tool, tmp_path: Path) -> None:
 
 
 def test_references_are_made_new_whole_or_not_at_all(space_robot: Tool, bag: Path, tmp_path: Path) -> None:
-    """--update-refs says what is different, flies again and replaces the bag, which then replays; or leaves it."""
+    """--update-refs says what is different, runs again and replaces the bag, which then replays; or leaves it."""
     altered = rewritten(bag, tmp_path / "ref", lambda stamp, parts: parts if stamp < 9 * PERIOD else None)
     before = (altered / "ref_0.mcap").read_bytes()
     done = space_robot("replay", "ref", "--update-refs")
     assert done.returncode == 0
-    assert "replaced by a new flight" in done.stderr
+    assert "replaced by a new run" in done.stderr
     assert (altered / "ref_0.mcap").read_bytes() != before
     assert (altered / "ref_0.mcap").read_bytes() == next(bag.glob("*.mcap")).read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["ref"]

@@ -10,7 +10,7 @@ from space_robot_bringup.modes.run import Mode
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_description.share import shipped
 from space_robot_msgs_py.log.reader import LogReader
-from tests.support.replays import assert_equal, fly, replayed
+from tests.support.replays import assert_equal, record_run, replayed
 
 TASKS = {"mini": "compare/mini", "servicer": "compare/servicer"}
 # Everything that could be forgotten between a run and its replay.
@@ -24,7 +24,7 @@ ROUGH = (
     "plant.dispersion={eta: 0.2}",
     "nominal.dispersion={eta: 0.2}",
 )
-# Short flights of every kind of plant: a capture in mid-flight, cameras that lie, a grasp that slips, an orbit.
+# Short runs of every kind of plant: a capture in mid-run, cameras that lie, a grasp that slips, an orbit.
 PLANTS = {
     "liu2023/capture": ("duration=4.0", "plant.capture.time=2.0"),
     "liu2023/noise": ("duration=4.0",),
@@ -37,28 +37,30 @@ PLANTS = {
 
 @pytest.mark.parametrize("robot", sorted(TASKS))
 @pytest.mark.parametrize("law", sorted(BUILT_IN))
-def test_every_law_on_two_robots(tmp_path: Path, law: str, robot: str) -> None:
+def test_a_run_of_every_law_on_two_robots_replays_to_the_bit(tmp_path: Path, law: str, robot: str) -> None:
     """A run of any shipped law replays to the bit, telemetry included."""
-    assert_equal(fly(tmp_path / "run", TASKS[robot], "duration=3.0", f"controller.law={law}"))
+    assert_equal(record_run(tmp_path / "run", TASKS[robot], "duration=3.0", f"controller.law={law}"))
 
 
 @pytest.mark.parametrize("robot", shipped("robots"))
-def test_every_robot(tmp_path: Path, robot: str) -> None:
+def test_a_run_of_every_robot_replays_to_the_bit(tmp_path: Path, robot: str) -> None:
     """A run of any shipped robot replays to the bit."""
     plain = ("reference={kind: hold}", "settling_bands={}", "plant={}", "nominal={}", "control_period=0.1")
-    assert_equal(fly(tmp_path / "run", TASKS["mini"], f"robot={robot}", "duration=1.0", "controller={law: pd}", *plain))
+    assert_equal(
+        record_run(tmp_path / "run", TASKS["mini"], f"robot={robot}", "duration=1.0", "controller={law: pd}", *plain)
+    )
 
 
 @pytest.mark.parametrize("experiment", PLANTS)
-def test_every_plant(tmp_path: Path, experiment: str) -> None:
-    """A capture in flight, distorted cameras, a grasp and an orbit are in the log like everything else."""
-    assert_equal(fly(tmp_path / "run", experiment, *PLANTS[experiment]))
+def test_a_run_of_every_plant_kind_replays_to_the_bit(tmp_path: Path, experiment: str) -> None:
+    """A capture during the run, distorted cameras, a grasp and an orbit are in the log like everything else."""
+    assert_equal(record_run(tmp_path / "run", experiment, *PLANTS[experiment]))
 
 
 @pytest.mark.parametrize("law", ["adaptive", "ntsmc", "mfac"])
-def test_noise_delay_hold_and_dispersion(tmp_path: Path, law: str) -> None:
+def test_a_run_with_noise_delay_hold_and_dispersion_replays_to_the_bit(tmp_path: Path, law: str) -> None:
     """With noise, a delay of one period, a hold of zero and both models strayed a replay still gives every bit."""
-    assert_equal(fly(tmp_path / "run", TASKS["mini"], f"controller.law={law}", *ROUGH))
+    assert_equal(record_run(tmp_path / "run", TASKS["mini"], f"controller.law={law}", *ROUGH))
 
 
 @pytest.mark.ros
@@ -67,7 +69,7 @@ def test_noise_delay_hold_and_dispersion(tmp_path: Path, law: str) -> None:
 def test_the_logs_of_the_graph(tmp_path: Path, mode: Mode) -> None:
     """What nodes have recorded replays like what the loop has."""
     pytest.importorskip("rclpy")
-    bag = fly(tmp_path / "run", TASKS["mini"], "controller.law=ntsmc", *ROUGH, mode=mode)
+    bag = record_run(tmp_path / "run", TASKS["mini"], "controller.law=ntsmc", *ROUGH, mode=mode)
     assert sum(1 for _ in LogReader(bag).ticks()) == 17
     assert_equal(bag)
 
@@ -79,9 +81,9 @@ def test_a_paced_log_with_a_break(tmp_path: Path, law: str, realtime: float) -> 
     """Commands that were missed or late, and a controller that was away for a while: what acted then acts again."""
     pytest.importorskip("rclpy")
     from space_robot_msgs_py.nodes.managed import ManagedNode
-    from tests.support.harness import flight
+    from tests.support.harness import running_graph
 
-    with flight(
+    with running_graph(
         tmp_path / "run", "duration=30.0", f"controller.law={law}", experiment=TASKS["mini"], realtime=realtime
     ) as robot:
         controller = robot.nodes["controller"]

@@ -1,4 +1,4 @@
-"""The law base class and the registry: what a user's law can rely on, and what it is told when it errs."""
+"""The law base class and the registry: what a user's law can rely on, and which error it gets."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ EXAMPLE = f"{ROOT / 'examples' / 'my_law.py'}:PdPlus"
 ARM = arm_model(N)
 
 
-def fly(
+def simulate(
     law: Law, reference: ReferenceSource, truth: Robot, q: Vector, period: float, steps: int, substeps: int = 4
 ) -> list[tuple[RobotState, Telemetry, Vector]]:
     """A plant of a dozen lines: held commands, Runge-Kutta steps on forward dynamics. Rows: state, telemetry, u."""
@@ -65,7 +65,9 @@ def test_a_large_step_is_reached_and_kept(floating: bool, period: float) -> None
     target = {"kind": "hold", "position": [0.3, -0.4, 0.0], "joints": [0.0, 0.4, -0.2, 0.9]}
     reference = make_reference(target, robot, start())
     law = make_law("computed_torque", robot, period, {"bandwidth": 0.3})
-    rows = fly(law, reference, robot, start((1.0, -1.5, 1.0)), period, round(80 / period), substeps=round(20 * period))
+    rows = simulate(
+        law, reference, robot, start((1.0, -1.5, 1.0)), period, round(80 / period), substeps=round(20 * period)
+    )
     assert np.linalg.norm(errors(rows, "attitude_error")[0]) > 2.0
     for label in ("attitude_error", "joint_error", "joint_rate_error", *(() if floating else ("position_error",))):
         assert np.abs(errors(rows, label)[-1]).max() < 1e-6, label
@@ -75,7 +77,7 @@ def test_free_floating_base_gets_exactly_no_force_and_keeps_its_momentum() -> No
     """Every commanded force is 0.0 to the bit, and the plant's linear momentum stays zero."""
     robot = robot_of(ARM, floating=True)
     reference = make_reference({"kind": "hold", "joints": [0.0, 0.4, -0.2, 0.9]}, robot, start())
-    rows = fly(make_law("computed_torque", robot, 0.1), reference, robot, start((0.4, 0.0, 0.2)), 0.1, 100)
+    rows = simulate(make_law("computed_torque", robot, 0.1), reference, robot, start((0.4, 0.0, 0.2)), 0.1, 100)
     data = ARM.createData()
     for state, _, u in rows:
         assert u[:3].tolist() == [0.0, 0.0, 0.0]
@@ -93,7 +95,7 @@ def test_errors_follow_the_second_order_response_up_to_the_period(floating: bool
     reference, deviation = make_reference(goal, robot, start()), []
     for period in (0.1, 0.05):
         law = make_law("computed_torque", robot, period, {"bandwidth": wn, "damping": damping})
-        rows = fly(law, reference, robot, start(tuple(-0.7 * axis)), period, round(6 / period))
+        rows = simulate(law, reference, robot, start(tuple(-0.7 * axis)), period, round(6 / period))
         shape = second_order(np.arange(len(rows)) * period, wn, damping)
         offset = errors(rows, "joint_error") - np.outer(shape, errors(rows, "joint_error")[0])
         turned = errors(rows, "attitude_error") - np.outer(shape, 0.7 * axis)
@@ -124,19 +126,21 @@ def test_a_moving_reference_is_followed_by_the_feed_forward(floating: bool) -> N
         spec["x"] = {"amplitude": 0.2, "frequency": 0.04}
     reference, worst = make_reference(spec, robot, start()), []
     for period in (0.1, 0.05):
-        rows = fly(make_law("computed_torque", robot, period), reference, robot, start(), period, round(20 / period))
+        rows = simulate(
+            make_law("computed_torque", robot, period), reference, robot, start(), period, round(20 / period)
+        )
         labels = ("attitude_error", "joint_error", *(() if floating else ("position_error",)))
         worst.append(max(np.abs(errors(rows, label)).max() for label in labels))
     assert worst[0] / worst[1] == pytest.approx(2.0, abs=0.05)
 
 
 def test_the_law_believes_the_nominal_robot() -> None:
-    """A heavier truth changes the flight, never the answer to one and the same state."""
+    """A heavier truth changes the run, never the answer to one and the same state."""
     nominal, heavy = robot_of(arm_model(N), floating=True), robot_of(arm_model(N), floating=True)
     heavy.model.inertias[2] = pin.Inertia(60.0, np.zeros(3), 5.0 * np.eye(3))
     reference = make_reference({"kind": "hold", "joints": [0.0] * N}, nominal, start())
     law = make_law("computed_torque", nominal, 0.1)
-    own, other = (fly(law, reference, truth, start(), 0.1, 20) for truth in (nominal, heavy))
+    own, other = (simulate(law, reference, truth, start(), 0.1, 20) for truth in (nominal, heavy))
     assert (own[0][2] == other[0][2]).all()
     assert not np.allclose(own[-1][0].q, other[-1][0].q)
     replayed = make_law("computed_torque", nominal, 0.1)
@@ -188,7 +192,7 @@ def test_unstable_gains_really_diverge() -> None:
     ends = []
     for bandwidth in (1.8, 2.2):
         gains = {"bandwidth": bandwidth, "allow_unstable": True}
-        rows = fly(make_law("computed_torque", robot, 0.5, gains), reference, robot, q, 0.5, 60, substeps=2)
+        rows = simulate(make_law("computed_torque", robot, 0.5, gains), reference, robot, q, 0.5, 60, substeps=2)
         ends.append(np.abs(errors(rows, "joint_error")[-1]).max())
     assert ends[0] < 1e-9
     assert ends[1] > 1e-5
@@ -198,7 +202,7 @@ def test_telemetry_shows_the_errors_and_the_commanded_acceleration() -> None:
     """Labels and sizes are those documented, for free motion too."""
     robot = robot_of(ARM, floating=True)
     reference = make_reference({"kind": "hold"}, robot, start())
-    rows = fly(make_law("computed_torque", robot, 0.1), reference, robot, start((0.1, 0.0, 0.0)), 0.1, 2)
+    rows = simulate(make_law("computed_torque", robot, 0.1), reference, robot, start((0.1, 0.0, 0.0)), 0.1, 2)
     telemetry = rows[0][1]
     assert dict(zip(telemetry.labels, telemetry.sizes, strict=True)) == {
         "position_error": 3,
@@ -210,17 +214,17 @@ def test_telemetry_shows_the_errors_and_the_commanded_acceleration() -> None:
     }
     np.testing.assert_allclose(telemetry["attitude_error"], [-0.1, 0.0, 0.0], atol=1e-15)
     np.testing.assert_allclose(telemetry["acceleration_command"][3:6], [-0.025, 0.0, 0.0], atol=1e-15)
-    free = fly(make_law("none", robot, 0.1), reference, robot, start((0.1, 0.0, 0.0)), 0.1, 2)[1]
+    free = simulate(make_law("none", robot, 0.1), reference, robot, start((0.1, 0.0, 0.0)), 0.1, 2)[1]
     assert free[2].tolist() == [0.0] * (6 + N)
     assert free[1].labels == telemetry.labels[:-1]
 
 
 @pytest.mark.parametrize("floating", [True, False])
-def test_the_example_law_flies(floating: bool) -> None:
+def test_the_example_law_converges(floating: bool) -> None:
     """The user's law of the examples brings base and arm to rest at the target."""
     robot = robot_of(ARM, floating=floating)
     reference = make_reference({"kind": "quintic", "joints": [0.0, 0.4, -0.2, 0.9], "duration": 20}, robot, start())
     example = law_class(EXAMPLE)
-    rows = fly(example(robot, 0.1), reference, robot, start((0.0, 0.0, 0.05)), 0.1, 1200)
+    rows = simulate(example(robot, 0.1), reference, robot, start((0.0, 0.0, 0.05)), 0.1, 1200)
     assert np.abs(errors(rows, "attitude_error")[-1]).max() < 1e-6
     assert np.abs(errors(rows, "joint_error")[-1]).max() < 1e-6

@@ -1,4 +1,4 @@
-"""Laws that take turns in flight: no bump, one layout of telemetry, the same bits whoever asks for the switch."""
+"""Laws that take turns in a run: bumpless, one layout of telemetry, the same bits however a switch is requested."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ SWITCHES = {100: ("adaptive", "ntsmc"), 200: ("ntsmc", "mfac"), 300: ("mfac", "a
 SECOND = 4
 
 
-class Asking:
-    """A controller that is asked for switches in flight, before the update of some ticks."""
+class Requesting:
+    """A controller that is asked for switches during the run, before the update of some ticks."""
 
-    def __init__(self, law: Switching, asked: dict[int, str]) -> None:
-        self._law, self._asked, self._tick = law, asked, 0
+    def __init__(self, law: Switching, requested: dict[int, str]) -> None:
+        self._law, self._requested, self._tick = law, requested, 0
         self.reset = law.reset
 
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Ask, if it is time, and answer."""
-        if self._tick in self._asked:
-            self._law.switch_to(self._asked[self._tick])
+        if self._tick in self._requested:
+            self._law.switch_to(self._requested[self._tick])
         self._tick += 1
         return self._law.update(state, reference)
 
@@ -49,8 +49,8 @@ def switching(composition: Composition) -> Switching:
     return law
 
 
-def flown(composition: Composition, controller: Any = None) -> list[Tick]:
-    """All ticks of the flight."""
+def run_ticks(composition: Composition, controller: Any = None) -> list[Tick]:
+    """All ticks of the run."""
     sink = MemorySink()
     controller = controller or composition.controller()
     steps = composition.experiment.steps
@@ -62,22 +62,24 @@ def flown(composition: Composition, controller: Any = None) -> list[Tick]:
 @cache
 def shipped() -> list[Tick]:
     """The shipped experiment as it is."""
-    return flown(composed())
+    return run_ticks(composed())
 
 
 @cache
 def alone(name: str) -> list[Tick]:
-    """The same flight under one of its laws."""
+    """The same run under one of its laws."""
     spec = load_experiment("switch/mini").controller.laws[name]
     controller = {"law": spec.law, "gains": spec.gains}
     experiment = load_experiment("switch/mini")
-    return flown(compose(type(experiment).model_validate(experiment.model_dump() | {"controller": controller})))
+    return run_ticks(compose(type(experiment).model_validate(experiment.model_dump() | {"controller": controller})))
 
 
 def error(ticks: list[Tick]) -> Vector:
     """(K,) largest angle by which attitude or a joint is off [rad]."""
-    q, asked = (np.array(values) for values in zip(*((t.sample.state.q, t.reference.q) for t in ticks), strict=True))
-    out: Vector = np.abs(deviations(q, asked)[:, 3:]).max(axis=1)
+    q, requested = (
+        np.array(values) for values in zip(*((t.sample.state.q, t.reference.q) for t in ticks), strict=True)
+    )
+    out: Vector = np.abs(deviations(q, requested)[:, 3:]).max(axis=1)
     return out
 
 
@@ -94,7 +96,7 @@ def bits(ticks: list[Tick]) -> list[Any]:
 
 
 def test_the_robot_goes_on_tracking_through_every_switch() -> None:
-    """Until the next switch the error stays within twice that of the worse of the two laws flying alone."""
+    """Until the next switch the error stays within twice that of the worse of the two laws acting alone."""
     error_here, ends = error(shipped()), [*SWITCHES, len(shipped())]
     for (start, names), end in zip(SWITCHES.items(), ends[1:], strict=True):
         worse = max(error(alone(name))[start:end].max() for name in names)
@@ -111,19 +113,19 @@ def test_no_switch_bumps() -> None:
 
 
 def test_without_a_handover_there_is_a_bump() -> None:
-    """The flight is one in which a switch matters: with no handover the command steps by 2 % of the limit."""
-    steps = np.abs(np.diff(torque(flown(composed("controller.handover=0.0"))), axis=0))
+    """The run is one in which a switch matters: with no handover the command steps by 2 % of the limit."""
+    steps = np.abs(np.diff(torque(run_ticks(composed("controller.handover=0.0"))), axis=0))
     assert max(steps[start - 1].max() for start in SWITCHES) > 0.02
 
 
-def test_the_log_tells_the_switches() -> None:
+def test_the_log_has_the_switches() -> None:
     """One event for each, under the stamp of the first command of the new law."""
-    told = {index: event.content for index, tick in enumerate(shipped()) for event in tick.output.events}
-    assert told == {start: {"from": a, "to": b} for start, (a, b) in SWITCHES.items()}
+    reported = {index: event.content for index, tick in enumerate(shipped()) for event in tick.output.events}
+    assert reported == {start: {"from": a, "to": b} for start, (a, b) in SWITCHES.items()}
 
 
 def test_telemetry_has_one_layout_and_nothing_of_idle_laws() -> None:
-    """Labels and sizes never change, blocks of laws that do not fly are 0, active_law says which one does."""
+    """Labels and sizes never change, blocks of inactive laws are 0, active_law says which one is active."""
     names = ["adaptive", "ntsmc", "mfac"]
     assert len({(t.output.telemetry.labels, t.output.telemetry.sizes) for t in shipped()}) == 1
     assert [shipped()[tick].output.telemetry["active_law"].item() for tick in (0, 99, 100, 200, 300)] == [0, 0, 1, 2, 0]
@@ -140,23 +142,23 @@ def test_telemetry_has_one_layout_and_nothing_of_idle_laws() -> None:
     np.testing.assert_array_equal(ntsmc["joint_error"], off)
 
 
-def test_a_switch_asked_for_in_flight_is_one_of_the_schedule() -> None:
-    """Asked for before the update of a tick, it gives the bits of a flight whose file has the switch at that tick."""
+def test_a_requested_switch_equals_a_scheduled_one() -> None:
+    """Asked for before the update of a tick, it gives the bits of a run whose file has the switch at that tick."""
     plan = "controller.switches=[{time: 25.0, to: ntsmc}]"
-    scheduled = flown(composed("duration=40.0", plan))
+    scheduled = run_ticks(composed("duration=40.0", plan))
     composition = composed("duration=40.0", "controller.switches=[]")
-    asked = flown(composition, Asking(switching(composition), {100: "ntsmc"}))
-    assert bits(asked) == bits(scheduled)
+    requested = run_ticks(composition, Requesting(switching(composition), {100: "ntsmc"}))
+    assert bits(requested) == bits(scheduled)
     again = composed("duration=40.0", plan)
-    both = flown(again, Asking(switching(again), {100: "ntsmc"}))
-    assert bits(both) == bits(scheduled), "what is told and scheduled happens once"
+    both = run_ticks(again, Requesting(switching(again), {100: "ntsmc"}))
+    assert bits(both) == bits(scheduled), "a switch that is requested and scheduled happens once"
 
 
-def test_a_reset_flies_the_same_again() -> None:
-    """After a flight with switches a reset controller repeats it, first law and events included."""
+def test_a_reset_controller_repeats_its_run() -> None:
+    """After a run with switches a reset controller repeats it, first law and events included."""
     composition = composed("duration=60.0")
     law = composition.controller()
-    assert bits(flown(composition, law)) == bits(flown(composition, law))
+    assert bits(run_ticks(composition, law)) == bits(run_ticks(composition, law))
 
 
 class Uninformed(Adaptive):
@@ -180,23 +182,23 @@ def test_an_estimator_sees_the_applied_command() -> None:
     for law in ("adaptive", f"{__name__}:Uninformed"):
         standby = f"{{learning: {{law: '{law}'}}}}, switches: [{{time: 20, to: learning}}], handover: 5.0"
         controller = f"controller={{law: pd, gains: {{bandwidth: 0.4}}, standby: {standby}}}"
-        ticks = flown(composed("duration=25.0", controller, "plant.payload=null"))
+        ticks = run_ticks(composed("duration=25.0", controller, "plant.payload=null"))
         largest.append(max(np.abs(tick.output.telemetry["learning.innovation"]).max() for tick in ticks[81:]))
     assert largest[0] < 0.2 * largest[1]
 
 
 def test_an_idle_law_counts_the_momentum_of_the_wheels() -> None:
-    """Having flown a quarter of the time only, it knows what the wheels hold as if it had flown all the time."""
+    """Having acted a quarter of the time only, it knows what the wheels hold as if it had acted all the time."""
     composition = composed("controller.gains.update=none")
     law = composition.controller()
-    last = flown(composition, law)[-1]
+    last = run_ticks(composition, law)[-1]
     wheels = law._laws["adaptive"].wheels  # type: ignore[attr-defined]
     held = wheels.momentum + 0.25 * last.output.command.wrench[3:]
     np.testing.assert_allclose(held, last.sample.telemetry["wheel_momentum"], atol=1e-12)
 
 
 def test_a_law_that_gives_up_is_named_once() -> None:
-    """The error is that of the law that flies, as if it flew alone: law, quantity, time."""
+    """The error is that of the active law, as if it acted alone: law, quantity, time."""
     composition = composed("controller={law: none, standby: {fails: {law: 'tests.support.laws:GivesUp'}}, handover: 0}")
     law = switching(composition)
     law.switch_to("fails")
@@ -208,7 +210,7 @@ def test_a_law_that_gives_up_is_named_once() -> None:
 
 
 def test_gains_of_each_law_can_be_changed() -> None:
-    """Names say whose gain it is; a standby law flies with what it was told before it took over."""
+    """Names say whose gain it is; a standby law starts with what was set before it took over."""
     law = switching(composed())
     names = {row.name for row in law.parameters() if row.dynamic}
     assert {"active_law", "gains.kappa", "standby.ntsmc.gains.k1", "standby.mfac.gains.kappa"} <= names
@@ -231,7 +233,7 @@ def test_gains_of_each_law_can_be_changed() -> None:
         ({"standby.ntsmc.gains.k1": -1.0}, "greater than or equal to 0"),
     ],
 )
-def test_what_cannot_be_changed_is_refused(changes: dict[str, Any], why: str) -> None:
+def test_a_gain_that_cannot_change_is_refused_with_those_that_can(changes: dict[str, Any], why: str) -> None:
     """The error says what could be."""
     with pytest.raises(SpecError, match=why):
         switching(composed()).tune(changes)
@@ -250,6 +252,6 @@ def test_what_cannot_be_changed_is_refused(changes: dict[str, Any], why: str) ->
     ],
 )
 def test_a_bad_file_is_refused(override: str, why: str) -> None:
-    """Before any flight, with key and reason."""
+    """Before any run, with key and reason."""
     with pytest.raises(SpecError, match=why):
         composed(override)

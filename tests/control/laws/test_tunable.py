@@ -1,4 +1,4 @@
-"""Gains changed in flight: from the next update on, told with it, refused as a whole, repeated to the bit."""
+"""Gains changed during the run: from the next update on, reported with it, refused as a whole, repeated to the bit."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def law(name: str, gains: dict[str, Any] | None = None) -> Law:
 
 
 def walk(count: int) -> list[tuple[RobotState, Reference]]:
-    """States and references of an aimless flight."""
+    """States and references of an aimless run."""
     rng, pairs = np.random.default_rng(3), []
     q, v = np.zeros(11), np.zeros(10)
     q[6] = 1.0
@@ -46,46 +46,46 @@ def walk(count: int) -> list[tuple[RobotState, Reference]]:
     return pairs
 
 
-def fly(flown: Law, change_at: dict[int, dict[str, Any]], count: int = 12) -> list[ControlOutput]:
+def outputs_of(subject: Law, change_at: dict[int, dict[str, Any]], count: int = 12) -> list[ControlOutput]:
     """The answers to a walk, with changes before some of the updates."""
-    flown.reset()
+    subject.reset()
     outputs = []
     for tick, (state, reference) in enumerate(walk(count)):
         if tick in change_at:
-            flown.tune(change_at[tick])
-        outputs.append(flown.update(state, reference))
+            subject.tune(change_at[tick])
+        outputs.append(subject.update(state, reference))
     return outputs
 
 
 @pytest.mark.parametrize("name", CHANGES)
-def test_a_change_acts_from_the_next_update_on_and_is_told_with_it(name: str) -> None:
+def test_a_gain_change_acts_from_the_next_update_and_is_its_event(name: str) -> None:
     """Commands before the change are those of an untouched law, the one after differs and carries the event."""
-    plain, tuned = fly(law(name), {}), fly(law(name), {6: CHANGES[name]})
+    plain, tuned = outputs_of(law(name), {}), outputs_of(law(name), {6: CHANGES[name]})
     same = [a.command.u.tobytes() == b.command.u.tobytes() for a, b in zip(plain, tuned, strict=True)]
     assert all(same[:6])
     assert not same[6]
-    told = [(index, event) for index, output in enumerate(tuned) for event in output.events]
-    assert [(index, event.stamp, event.kind) for index, event in told] == [(6, 6 * PERIOD, "parameters")]
-    assert told[0][1].content == {"values": CHANGES[name]}
+    reported = [(index, event) for index, output in enumerate(tuned) for event in output.events]
+    assert [(index, event.stamp, event.kind) for index, event in reported] == [(6, 6 * PERIOD, "parameters")]
+    assert reported[0][1].content == {"values": CHANGES[name]}
 
 
 @pytest.mark.parametrize("name", CHANGES)
-def test_what_was_told_repeats_the_flight(name: str) -> None:
-    """Tuning a fresh law by the events of a flight gives its commands and events again, bit for bit."""
-    first = fly(law(name), {4: CHANGES[name]})
+def test_the_events_of_a_run_repeat_it(name: str) -> None:
+    """Tuning a fresh law by the events of a run gives its commands and events again, bit for bit."""
+    first = outputs_of(law(name), {4: CHANGES[name]})
     events = {index: dict(event.content["values"]) for index, output in enumerate(first) for event in output.events}
-    again = fly(law(name), events)
+    again = outputs_of(law(name), events)
     assert [o.command.u.tobytes() for o in again] == [o.command.u.tobytes() for o in first]
     assert [o.events for o in again] == [o.events for o in first]
 
 
 @pytest.mark.parametrize("name", CHANGES)
-def test_gains_survive_a_reset_and_are_told_again(name: str) -> None:
-    """After a reset the law flies as one built with the changed gains, and the first output says so."""
+def test_gains_survive_a_reset_and_are_reported_again(name: str) -> None:
+    """After a reset the law runs as one built with the changed gains, and the first output says so."""
     tuned = law(name)
-    fly(tuned, {3: CHANGES[name]})
-    again = fly(tuned, {})
-    built = fly(law(name, tuned.gains.model_dump(mode="json", by_alias=True)), {})
+    outputs_of(tuned, {3: CHANGES[name]})
+    again = outputs_of(tuned, {})
+    built = outputs_of(law(name, tuned.gains.model_dump(mode="json", by_alias=True)), {})
     assert [o.command.u.tobytes() for o in again] == [o.command.u.tobytes() for o in built]
     assert [event.content for event in again[0].events] == [{"values": CHANGES[name]}]
 
@@ -96,7 +96,7 @@ def test_gains_survive_a_reset_and_are_told_again(name: str) -> None:
         ("computed_torque", {"gains.bandwidth.joints": 9.0}, "unstable when sampled"),
         ("computed_torque", {"gains.damping": 0.9, "gains.bandwidth.joints": -1.0}, "greater than or equal to 0"),
         ("computed_torque", {"gains.damping": float("nan")}, "finite number"),
-        ("computed_torque", {"gains.allow_unstable": True}, "cannot change in flight"),
+        ("computed_torque", {"gains.allow_unstable": True}, "cannot change during the run"),
         ("computed_torque", {"gains.dampin": 1.0}, "accepted: gains.damping|accepted: damping"),
         ("computed_torque", {"damping": 1.0}, "accepted: gains.<name>"),
         ("none", {"gains.level": 1.0}, "no dynamic gains"),
@@ -105,14 +105,14 @@ def test_gains_survive_a_reset_and_are_told_again(name: str) -> None:
         ("ntsmc", {"gains.k2.joints": {"elbow": 1.0}}, "elbow"),
     ],
 )
-def test_what_cannot_be_is_refused_as_a_whole(name: str, changes: dict[str, Any], why: str) -> None:
-    """The error names key and reason; the flight goes on as if nothing had been asked."""
-    flown, plain = law(name), fly(law(name), {})
-    flown.reset()
+def test_a_bad_gain_change_is_refused_as_a_whole(name: str, changes: dict[str, Any], why: str) -> None:
+    """The error names key and reason; the run goes on as if nothing had been asked."""
+    subject, plain = law(name), outputs_of(law(name), {})
+    subject.reset()
     for tick, (state, reference) in enumerate(walk(12)):
         if tick == 5:
             with pytest.raises(SpecError, match=why):
-                flown.tune(changes)
-        output = flown.update(state, reference)
+                subject.tune(changes)
+        output = subject.update(state, reference)
         assert output.command.u.tobytes() == plain[tick].command.u.tobytes()
         assert output.events == ()

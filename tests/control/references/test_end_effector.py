@@ -38,7 +38,7 @@ def source(robot: Robot, *points: dict[str, Any], **more: Any) -> ReferenceSourc
 
 
 @pytest.mark.parametrize(("robot", "base", "tool"), CASES, ids=IDS)
-def test_the_tool_flies_its_line_and_its_geodesic(robot: Robot, base: dict[str, Any], tool: dict[str, Any]) -> None:
+def test_the_tool_follows_its_line_and_its_geodesic(robot: Robot, base: dict[str, Any], tool: dict[str, Any]) -> None:
     """At and between the knots the tool is within a nanometre and a nanoradian of the quintic line and geodesic."""
     reference = source(robot, {"time": 20.0, **base}, {"time": 50.0, "tool": tool})
     first, last = (tool_pose(robot, reference.at(t * SECOND).q) for t in (20, 50))
@@ -75,7 +75,7 @@ def test_velocity_and_acceleration_are_derivatives(robot: Robot, base: dict[str,
     assert reference.at(90 * SECOND).q.tolist() == reference.at(50 * SECOND).q.tolist()
 
 
-def test_the_arm_is_still_while_the_base_flies_and_the_base_while_the_tool_does() -> None:
+def test_the_arm_is_still_while_the_base_moves_and_the_base_while_the_tool_does() -> None:
     """Appendix C: a diagonal of the base with the arm fixed, then one of the tool with the base fixed."""
     robot, base, tool = CASES[0]
     reference = source(robot, {"time": 27.0, **base}, {"time": 57.0, "tool": tool})
@@ -86,7 +86,7 @@ def test_the_arm_is_still_while_the_base_flies_and_the_base_while_the_tool_does(
 
 
 @pytest.mark.parametrize("robot", [SERVICER, load_robot("ets7")], ids=["servicer", "ets7"])
-def test_the_tool_holds_its_pose_while_the_base_flies_and_turns(robot: Robot) -> None:
+def test_the_tool_holds_its_pose_while_the_base_moves_and_turns(robot: Robot) -> None:
     """Station keeping: said nothing but the base's target, the tool stays within a nanometre where it is."""
     base = {"position": [0.2, -0.3, 0.4], "attitude_deg": [8.0, 5.0, 20.0]}
     reference = source(robot, {"time": 30.0, **base, "tool": {}})
@@ -123,8 +123,8 @@ def test_a_floating_base_moves_so_that_the_centre_of_mass_stays() -> None:
         (SERVICER, [], "points: not accepted"),
     ],
 )
-def test_what_the_arm_cannot_do_is_one_clear_error(robot: Robot, points: list[dict[str, Any]], says: str) -> None:
-    """Reach, singularities, too few joints and contradictions are refused with the point and, in flight, the time."""
+def test_an_unreachable_tool_motion_is_one_clear_error(robot: Robot, points: list[dict[str, Any]], says: str) -> None:
+    """Reach, singularities, too few joints and contradictions are refused with the point and, in a run, the time."""
     with pytest.raises(SpecError, match=rf"reference.*{says}|{says}") as caught:
         source(robot, *points)
     assert "\n" not in str(caught.value)

@@ -58,7 +58,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("spec", "says"), BAD)
-def test_what_cannot_be_done_is_one_clear_error(spec: dict[str, Any], says: str) -> None:
+def test_a_bad_reference_is_one_clear_error(spec: dict[str, Any], says: str) -> None:
     """The message is one line with the dotted key, the value and what would be accepted."""
     with pytest.raises(SpecError, match=rf"reference.*{says}|{says}") as caught:
         make_reference(spec, ROBOT, START)
@@ -102,7 +102,7 @@ def test_a_limit_rounded_in_the_file_admits_the_full_angle() -> None:
     np.testing.assert_allclose(source.at(0).q[7:], [0.0, np.pi, 4 * np.pi], atol=1e-15)
 
 
-def test_initial_joints_outside_the_limits_can_be_held_but_not_asked_for() -> None:
+def test_initial_joints_outside_the_limits_can_be_held_but_not_desired() -> None:
     """Limits are checked on targets; where the robot happens to be is not the reference's to judge."""
     outside = START.copy()
     outside[7] = 1.3
@@ -129,7 +129,7 @@ def test_a_start_that_is_no_configuration_is_refused(start: np.ndarray, error: t
 
 
 def test_specs_survive_being_written_and_read() -> None:
-    """A spec dumped with all defaults and read again is the same spec: the resolved experiment flies the same."""
+    """A spec dumped with all defaults and read again is the same spec: the resolved experiment runs the same."""
     wave = {"amplitude_deg": 3.0, "frequency": 0.1}
     adapter: TypeAdapter[Any] = TypeAdapter(ReferenceSpec)
     for raw in (

@@ -129,7 +129,7 @@ def test_missing_efforts_are_refused():
 
 
 @pytest.mark.parametrize("size", range(0, 76, 5))
-def test_cut_messages_are_refused(size):
+def test_truncated_messages_are_refused(size):
     """A message that ends early is a CommandError, wherever it ends."""
     codec = CommandCodec(("a",))
     wrench, joints = codec.encode(Command(0, np.ones(6), np.ones(1)))

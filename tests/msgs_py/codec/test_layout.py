@@ -50,7 +50,7 @@ def test_padding_is_ignored_and_cleaned(topic, fill, trailing):
 
 
 @pytest.mark.parametrize("topic", LAYOUTS, ids=lambda topic: topic.name)
-def test_every_byte_with_a_meaning_is_looked_at(topic):
+def test_changing_any_byte_is_refused_or_changes_the_value(topic):
     """Changing any byte of a constant is refused; changing one of a number changes what is decoded."""
     layout, raw = LAYOUTS[topic], PARTS[topic]
     free = {at for field in layout.fields if field.kind == "ignored" for at in range(field.start, field.stop)}
@@ -184,7 +184,7 @@ def test_names_with_nul_are_refused():
         StateCodec(("a\0b",))
 
 
-def test_no_joints():
+def test_messages_of_a_robot_without_joints_round_trip():
     """A satellite without an arm round-trips too, and rosbags agrees with its bytes."""
     codec, telemetry = TickCodec(()), TelemetryCodec(CONTROLLER_TELEMETRY)
     tick = values.run_ticks(1, n=0)[0]

@@ -129,7 +129,7 @@ def test_a_damaged_summary_is_not_believed(log: bytes, tmp_path: Path) -> None:
     ids=["empty", "short", "long", "far"],
 )
 def test_an_index_without_a_checksum_may_say_anything(log: bytes, tmp_path: Path, hostile: bytes) -> None:
-    """Chunk indexes that are too short or lead out of the file are one error, and the messages are read without them."""
+    """Chunk indexes that are too short or lead out of the file are one error; the messages are read without them."""
     section = read_section(log)
     parts = [PREFIX.pack(opcode, len(content)) + content for opcode, content in section if opcode != Opcode.CHUNK_INDEX]
     parts.append(PREFIX.pack(Opcode.CHUNK_INDEX, len(hostile)) + hostile)

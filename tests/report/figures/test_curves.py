@@ -22,7 +22,7 @@ TIME = np.arange(5.0)
 EXPERIMENT = load_experiment("liu2023/fig08")
 
 
-def flown(**groups: int | str) -> FigureResult:
+def figure_result(**groups: int | str) -> FigureResult:
     """A figure with so many runs per group; ``"varied"`` is one of three values. Each run has x, and y.reference."""
     data: dict[str, Any] = {"title": "t", "runs": {}}
     runs = []
@@ -43,7 +43,7 @@ def curves(figure: FigureResult, **keys: Any) -> list[Curve]:
 
 def test_runs_of_small_groups_have_colors_of_their_own() -> None:
     """Colors go through the palette run by run, whatever else the panel shows."""
-    figure = flown(real=1, prior=3)
+    figure = figure_result(real=1, prior=3)
     assert [curve.color for curve in curves(figure)] == list(PALETTE[:4])
     assert [curve.color for curve in curves(figure, of=["prior"])] == list(PALETTE[1:4])
     assert [curve.label for curve in curves(figure)] == ["real", "prior 0", "prior 1", "prior 2"]
@@ -51,34 +51,34 @@ def test_runs_of_small_groups_have_colors_of_their_own() -> None:
 
 def test_large_groups_are_one_cloud() -> None:
     """Many runs share a color and one entry of the legend that says how many they are."""
-    cloud = curves(flown(real=1, many=SINGLY + 1), of=["many"])
+    cloud = curves(figure_result(real=1, many=SINGLY + 1), of=["many"])
     assert len({curve.color for curve in cloud}) == 1
     assert [curve.label for curve in cloud] == [f"many ({SINGLY + 1} runs)"] + [""] * SINGLY
 
 
-def test_what_is_varied_has_shades_and_a_second_group_another_line() -> None:
+def test_varied_runs_differ_by_shade_and_groups_by_line() -> None:
     """The runs of a group that varies something differ by shade; two such groups by their lines."""
-    first, second = curves(flown(a="varied", b="varied"))[:3], curves(flown(a="varied", b="varied"))[3:]
+    first, second = curves(figure_result(a="varied", b="varied"))[:3], curves(figure_result(a="varied", b="varied"))[3:]
     assert len({curve.color for curve in first}) == 3
     assert [curve.color for curve in first] == [curve.color for curve in second]
     assert {curve.line for curve in first} == {"solid"}
     assert {curve.line for curve in second} == {"dashed"}
-    assert {curve.line for curve in curves(flown(a="varied", b="varied"), of=["b"])} == {"solid"}
+    assert {curve.line for curve in curves(figure_result(a="varied", b="varied"), of=["b"])} == {"solid"}
 
 
 def test_a_shared_reference_is_drawn_once() -> None:
     """What the runs are compared with is one black dotted line, named by its signal."""
-    drawn = curves(flown(a=2, b=1), signals=["y.reference", "x"])
+    drawn = curves(figure_result(a=2, b=1), signals=["y.reference", "x"])
     assert {curve.line for curve in drawn} == {"dotted", "solid"}
     (reference,) = (curve for curve in drawn if curve.line == "dotted")
     assert (reference.color, reference.label) == ("black", "y.reference")
     assert len(drawn) == 4
 
 
-def test_what_the_manifest_says_wins() -> None:
+def test_style_and_legend_of_the_manifest_override_the_defaults() -> None:
     """Style and legend go by signal, run or group; an empty text leaves the legend out."""
     style = {"prior": {"color": "grey", "width": 3}, "prior 1": "red"}
-    drawn = curves(flown(real=1, prior=2), style=style, legend={"real": "", "prior 1": "second"})
+    drawn = curves(figure_result(real=1, prior=2), style=style, legend={"real": "", "prior 1": "second"})
     assert [curve.color for curve in drawn] == [PALETTE[0], "grey", "red"]
     assert [curve.width for curve in drawn[1:]] == [3, 3]
     assert [curve.label for curve in drawn] == ["", "prior 0", "second"]
@@ -86,7 +86,7 @@ def test_what_the_manifest_says_wins() -> None:
 
 def test_curves_are_cut_to_the_window() -> None:
     """After and before cut what is drawn, ends included."""
-    (curve,) = curves(flown(real=1), after=1.0, before=3.0)
+    (curve,) = curves(figure_result(real=1), after=1.0, before=3.0)
     assert curve.time.tolist() == [1.0, 2.0, 3.0]
 
 

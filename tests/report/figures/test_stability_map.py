@@ -25,7 +25,7 @@ def test_a_drawn_region_is_where_the_loop_is_stable() -> None:
         plt.close(figure)
 
 
-def test_what_is_not_an_interval_is_refused() -> None:
+def test_a_range_that_does_not_rise_is_refused() -> None:
     """A range that does not rise is no map."""
     with pytest.raises(ValidationError, match="ratio is"):
         StabilityMap(label="y", ratio=(1.0, 0.1))

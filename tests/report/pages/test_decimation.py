@@ -10,7 +10,7 @@ signals = hnp.arrays(np.float64, st.integers(1, 5000), elements=st.floats(-1e9, 
 
 @settings(deadline=None, max_examples=50)
 @given(values=signals, buckets=st.integers(1, 60))
-def test_no_peak_is_lost(values, buckets):
+def test_decimation_keeps_first_last_smallest_and_largest(values, buckets):
     """First, last, smallest and largest value stay, in order, and the number of points is bounded."""
     kept = min_max(values, buckets)
     assert (np.diff(kept) > 0).all()

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("matplotlib")
 
-from space_robot_report.pages.spreads import MOST_POINTS, spread_figures
+from space_robot_report.pages.spreads import MAX_POINTS, spread_figures
 
 
 def rows_of(count, seed=0):
@@ -40,14 +40,14 @@ def test_many_runs_are_thinned_by_size_and_keep_their_ends_and_quartiles():
     rows = rows_of(5000)
     (trace,) = spread_figures({"all runs": rows})["max_error by axis"]["data"]
     values, drawn = np.array([row["base/roll.max_error"] for row in rows if row["completed"]]), values_of(trace)
-    assert drawn.size == MOST_POINTS
+    assert drawn.size == MAX_POINTS
     assert (drawn.min(), drawn.max()) == (values.min(), values.max())
     np.testing.assert_allclose(np.quantile(drawn, [0.25, 0.5, 0.75]), np.quantile(values, [0.25, 0.5, 0.75]), rtol=0.05)
     cases = [int(text.removeprefix("case ")) for text in trace["text"]]
     assert drawn.tolist() == [rows[case]["base/roll.max_error"] for case in cases]
 
 
-def test_points_of_the_grid_are_told_apart():
+def test_points_of_the_grid_are_distinguished():
     """Each point of the grid has a box of its own, also for the numbers of whole runs."""
     figures = spread_figures({"law=a": rows_of(20), "law=b": rows_of(20, seed=1)})
     assert [trace["name"] for trace in figures["settling_time by axis"]["data"]] == ["law=a", "law=b"]

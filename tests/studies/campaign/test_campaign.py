@@ -73,7 +73,7 @@ def write(folder: Path, text: str = CAMPAIGN) -> Path:
     return path
 
 
-def fly(folder: Path, name: str, text: str = CAMPAIGN, **options: Any) -> CampaignResult:
+def run_in(folder: Path, name: str, text: str = CAMPAIGN, **options: Any) -> CampaignResult:
     return run_campaign(write(folder, text), folder / name, **options)
 
 
@@ -88,10 +88,10 @@ def rows(directory: Path) -> list[dict[str, Any]]:
 
 
 @pytest.fixture(scope="module")
-def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The campaign flown by one worker without interruption, every bag kept."""
+def finished_campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The campaign run by one worker without interruption, every bag kept."""
     folder = tmp_path_factory.mktemp("campaign")
-    fly(folder, "one", workers=1, keep="all")
+    run_in(folder, "one", workers=1, keep="all")
     return folder / "one"
 
 
@@ -123,19 +123,19 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 
 
 @pytest.mark.parametrize("workers", [2, 4])
-def test_the_number_of_workers_changes_nothing(flown: Path, tmp_path: Path, workers: int) -> None:
+def test_the_number_of_workers_changes_nothing(finished_campaign: Path, tmp_path: Path, workers: int) -> None:
     """Table and summary are the same bytes with 1, 2 and 4 workers; kept are the bags of the failed cases."""
-    result = fly(tmp_path, "more", workers=workers)
+    result = run_in(tmp_path, "more", workers=workers)
     assert result.passed
-    assert results(tmp_path / "more") == results(flown)
-    failed = [row["index"] for row in rows(flown) if not row["passed"]]
+    assert results(tmp_path / "more") == results(finished_campaign)
+    failed = [row["index"] for row in rows(finished_campaign) if not row["passed"]]
     assert 0 < len(failed) < 24
     assert sorted(path.name for path in (tmp_path / "more" / "runs").iterdir()) == [f"{k:06d}" for k in failed]
 
 
-def test_a_row_says_what_was_drawn_and_what_came_of_it(flown: Path) -> None:
+def test_a_row_says_what_was_drawn_and_what_came_of_it(finished_campaign: Path) -> None:
     """Rows are in order, both points of the grid got the same draws, and failures are named."""
-    table = rows(flown)
+    table = rows(finished_campaign)
     assert [row["index"] for row in table] == list(range(24))
     for one, other in zip(table[::2], table[1::2], strict=True):
         assert (one["plant.delay_periods"], other["plant.delay_periods"]) == (0, 1)
@@ -146,29 +146,43 @@ def test_a_row_says_what_was_drawn_and_what_came_of_it(flown: Path) -> None:
 
 
 @pytest.mark.parametrize("mode", ["headless", pytest.param("graph", marks=pytest.mark.ros)])
-def test_a_case_flown_again_has_the_numbers_of_its_row(
-    flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], mode: str
+def test_a_case_run_again_has_the_numbers_of_its_row(
+    finished_campaign: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    mode: str,
 ) -> None:
     """`run --from DIR --index K` gives every number of the row and the bytes of the kept log, in the graph too."""
     if mode == "graph":
         pytest.importorskip("rclpy")
-    index = next(row["index"] for row in rows(flown) if row["passed"] and row["plant.delay_periods"] == 1)
+    index = next(row["index"] for row in rows(finished_campaign) if row["passed"] and row["plant.delay_periods"] == 1)
     out, options = tmp_path / "again", ([] if mode == "graph" else ["--mode", mode])
-    command = ["space-robot", "run", "--from", str(flown), "--index", str(index), "--out", str(out), "--json"]
+    command = [
+        "space-robot",
+        "run",
+        "--from",
+        str(finished_campaign),
+        "--index",
+        str(index),
+        "--out",
+        str(out),
+        "--json",
+    ]
     monkeypatch.setattr(sys, "argv", command + options)
     with pytest.raises(SystemExit) as end:
         main()
     said = json.loads(capsys.readouterr().out)
     assert end.value.code == 0
     assert (said["mode"], said["differences"]) == (mode, [])
-    row = rows(flown)[index]
+    row = rows(finished_campaign)[index]
     assert {name: row[name] for name in said["metrics"]} == said["metrics"]
     assert len(said["metrics"]) > 30
-    kept = flown / "runs" / f"{index:06d}" / f"{index:06d}_0.mcap"
+    kept = finished_campaign / "runs" / f"{index:06d}" / f"{index:06d}_0.mcap"
     assert (out / "again_0.mcap").read_bytes() == kept.read_bytes()
 
 
-def test_a_kill_of_a_worker_and_of_the_campaign_changes_nothing(flown: Path, tmp_path: Path) -> None:
+def test_a_kill_of_a_worker_and_of_the_campaign_changes_nothing(finished_campaign: Path, tmp_path: Path) -> None:
     """A killed worker costs one row and is replaced; a killed campaign leaves no process; resumed, the table is whole.
 
     The first row of a killed worker has the reason, and only that run is done again.
@@ -191,9 +205,9 @@ def test_a_kill_of_a_worker_and_of_the_campaign_changes_nothing(flown: Path, tmp
     assert not (out / "table.parquet").exists()
     lost = [json.loads(line) for line in (out / "rows.jsonl").read_text().splitlines()[1:] if '"lost": true' in line]
     assert [row["columns"]["end_reason"] for row in lost] == ["lost: the worker process was killed by SIGKILL"]
-    result = fly(tmp_path, "killed", workers=2, resume=True)
+    result = run_in(tmp_path, "killed", workers=2, resume=True)
     assert (result.done, result.total, result.lost) == (24, 24, 0)
-    assert results(out) == results(flown)
+    assert results(out) == results(finished_campaign)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -217,7 +231,7 @@ def test_a_signal_ends_a_campaign_and_says_how_to_go_on(tmp_path: Path, number: 
 
 
 def test_a_scheduler_elsewhere_gives_the_same_table(
-    flown: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    finished_campaign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A scheduler and two workers, processes of their own, run it to the same bytes; lost, they end it."""
     distributed = pytest.importorskip("distributed")
@@ -236,12 +250,12 @@ def test_a_scheduler_elsewhere_gives_the_same_table(
                 client.wait_for_workers(count, timeout=DEADLINE)
 
         wait_for_workers(2)
-        result = fly(tmp_path, "far", scheduler=address, keep="all")
+        result = run_in(tmp_path, "far", scheduler=address, keep="all")
         assert result.passed
-        assert results(tmp_path / "far") == results(flown)
-        for bag in nonempty(flown.glob("runs/*/*")):
-            assert (tmp_path / "far" / bag.relative_to(flown)).read_bytes() == bag.read_bytes()
-        fly(tmp_path, "deadly", without("endless", "waits"), scheduler=address)
+        assert results(tmp_path / "far") == results(finished_campaign)
+        for bag in nonempty(finished_campaign.glob("runs/*/*")):
+            assert (tmp_path / "far" / bag.relative_to(finished_campaign)).read_bytes() == bag.read_bytes()
+        run_in(tmp_path, "deadly", without("endless", "waits"), scheduler=address)
         assert reasons(tmp_path / "deadly") == {law: REASONS[law] for law in REASONS if law not in ("endless", "waits")}
         monkeypatch.setattr(dask_workers, "PATIENCE_SECONDS", 0.5)
         monkeypatch.setattr(dask_workers, "FETCH_SECONDS", 2.0)
@@ -282,9 +296,9 @@ def reasons(directory: Path) -> dict[str, str]:
     return {row["controller.law"]: row["end_reason"] for row in rows(directory)}
 
 
-def test_whatever_a_law_does_is_a_row(tmp_path: Path) -> None:
+def test_a_failing_law_costs_one_row_of_its_campaign(tmp_path: Path) -> None:
     """A law that gives up, raises, exits, kills its process, loops or waits for ever costs one row with the reason."""
-    result = fly(tmp_path, "bad", LAWS, workers=2, time_limit=LIMIT)
+    result = run_in(tmp_path, "bad", LAWS, workers=2, time_limit=LIMIT)
     assert (result.end_reason, result.passed, result.lost) == ("completed", False, 2)
     assert reasons(tmp_path / "bad") == REASONS
     table = rows(tmp_path / "bad")
@@ -301,15 +315,15 @@ def test_whatever_a_law_does_is_a_row(tmp_path: Path) -> None:
 
 def test_a_resumed_campaign_runs_again_what_may_end_otherwise(tmp_path: Path) -> None:
     """Lost runs are run again, those ended by a limit only under a larger one, all others never."""
-    fly(tmp_path, "out", without("leaves", "waits"), workers=2, time_limit=2.0)
+    run_in(tmp_path, "out", without("leaves", "waits"), workers=2, time_limit=2.0)
     for limit, again in ((2.0, [4]), (2.5, [4, 5])):
         before = finished(tmp_path / "out")
-        fly(tmp_path, "out", without("leaves", "waits"), workers=2, time_limit=limit, resume=True)
+        run_in(tmp_path, "out", without("leaves", "waits"), workers=2, time_limit=limit, resume=True)
         lines = (tmp_path / "out" / "rows.jsonl").read_text().splitlines()[1 + before :]
         assert sorted(json.loads(line)["key"] for line in lines) == again
 
 
-def test_what_a_law_prints_stays_out_of_the_results(tmp_path: Path) -> None:
+def test_output_of_a_law_stays_out_of_the_json(tmp_path: Path) -> None:
     """`--json` prints one object, whatever the laws of the runs say."""
     path = write(tmp_path, LAWS[: LAWS.index("    fine:")] + "    talks: tests.support.laws:Talks\n")
     command = [sys.executable, "-m", "space_robot_cli", "campaign", str(path), "--json", "--out", str(tmp_path / "out")]

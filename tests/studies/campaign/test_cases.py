@@ -38,7 +38,7 @@ def drawn(spec: Campaign, index: int) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", shipped("campaigns"))
-def test_every_shipped_campaign_can_be_flown(name: str) -> None:
+def test_every_shipped_campaign_can_be_run(name: str) -> None:
     """All its cases are experiments, and its extremes compose."""
     spec = load_campaign(name)
     assert spec.title
@@ -79,7 +79,7 @@ def test_cases_depend_on_nothing_but_the_campaign_and_their_index() -> None:
 
 
 def test_points_of_a_grid_get_the_same_draws() -> None:
-    """Every combination is flown with the same draws and seeds, and more runs renumber no case."""
+    """Every combination is run with the same draws and seeds, and more runs renumber no case."""
     vary = {"plant.hold": ["last", "zero"], "controller": {"soft": {"gains": {"bandwidth": 0.5}}, "hard": {}}}
     spec = campaign(vary=vary, runs=3)
     cases = [make_case(spec, index) for index in range(spec.cases)]
@@ -107,7 +107,7 @@ def test_a_key_may_repeat_what_is_drawn_for_another() -> None:
             campaign(disperse=wrong)
 
 
-def test_a_seed_that_is_said_is_the_seed() -> None:
+def test_a_given_seed_is_the_seed_of_the_case() -> None:
     """A varied or dispersed seed takes the place of the drawn one."""
     assert make_case(campaign(vary={"seed": [5, 6]}), 1).experiment().seed == 6
     assert make_case(campaign(disperse={"seed": {"choice": [8]}}), 2).experiment().seed == 8

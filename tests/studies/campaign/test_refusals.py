@@ -116,7 +116,9 @@ def write(folder: Path, change: str = "") -> None:
 
 
 @pytest.mark.parametrize(("change", "words"), list(REFUSED.values()), ids=list(REFUSED))
-def test_a_file_that_cannot_be_flown(space_robot: Tool, tmp_path: Path, change: str, words: tuple[str, ...]) -> None:
+def test_a_campaign_that_cannot_run_is_refused(
+    space_robot: Tool, tmp_path: Path, change: str, words: tuple[str, ...]
+) -> None:
     """Each mistake is named with its key and what would do, before any worker starts or anything is written."""
     write(tmp_path, change)
     refused(space_robot("campaign", "campaign.yaml", "--out", "out"), *words)
@@ -190,7 +192,9 @@ def test_without_dask_a_scheduler_is_refused(
     ],
     ids=" ".join,
 )
-def test_a_run_that_is_not_said_or_said_twice(space_robot: Tool, tmp_path: Path, arguments: tuple[str, ...]) -> None:
+def test_run_needs_either_an_experiment_or_a_case(
+    space_robot: Tool, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
     """A run is an experiment, or a directory with an index."""
     refused(space_robot("run", *arguments), "run", "--from DIR with --index K")
 

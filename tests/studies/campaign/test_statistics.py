@@ -70,7 +70,7 @@ def test_the_summary_of_a_seed_is_always_the_same() -> None:
     assert summarise(rows, {}, ["error"], seed=1) == summarise(rows, {}, ["error"], seed=1)
 
 
-def test_a_table_keeps_every_number_and_says_where_there_is_none() -> None:
+def test_a_parquet_table_keeps_every_number_and_null() -> None:
     """What is read from the Parquet file are the rows, bit for bit, typed, with null where a row has no such number."""
     third = 1.0 / 3.0
     rows = [

@@ -50,8 +50,8 @@ def call(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
 
 
 @pytest.fixture(scope="module")
-def flown(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The comparison flown once through the command line."""
+def finished_comparison(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The comparison run once through the command line."""
     folder = tmp_path_factory.mktemp("compare")
     (folder / "four.yaml").write_text(CAMPAIGN, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
@@ -69,33 +69,37 @@ def compared(folder: Path) -> Comparison:
     return side_by_side(load_campaign(folder / "four.yaml"), "four", rows(folder))
 
 
-def test_every_law_gets_the_same_draws(flown: Path) -> None:
+def test_every_law_gets_the_same_draws(finished_comparison: Path) -> None:
     """Seed, payload and first rates of run k are the same under every law, at every period, in every condition."""
-    drawn = [name for name in rows(flown)[0] if name == "seed" or name.startswith(("initial.", "plant.payload"))]
+    drawn = [
+        name
+        for name in rows(finished_comparison)[0]
+        if name == "seed" or name.startswith(("initial.", "plant.payload"))
+    ]
     assert len(drawn) == 5
     for run in (0, 1):
-        assert len({tuple(row[name] for name in drawn) for row in rows(flown) if row["run"] == run}) == 1
+        assert len({tuple(row[name] for name in drawn) for row in rows(finished_comparison) if row["run"] == run}) == 1
 
 
-def test_the_numbers_are_those_of_the_campaigns_table(flown: Path) -> None:
+def test_the_numbers_are_those_of_the_campaigns_table(finished_comparison: Path) -> None:
     """Every median is that of the completed rows of its law, period and condition; what is written says the same."""
-    comparison = compared(flown)
+    comparison = compared(finished_comparison)
     for cell in nonempty(comparison.cells):
         place = {"controller": cell.law, "control_period": cell.period, **cell.condition}
-        mine = [row for row in rows(flown) if place.items() <= row.items()]
+        mine = [row for row in rows(finished_comparison) if place.items() <= row.items()]
         done = [row for row in mine if row["completed"]]
         assert (cell.runs, cell.ended) == (len(mine), len(mine) - len(done)) == (2, len(mine) - len(done))
         for metric, name in (("torque_integral", "effort_integral"), ("saturation_share", "saturation_share")):
             assert cell.medians[metric] == (median(row[name] for row in done) if done else None)
         worst = [max(row[f"joint{index}.max_error"] for index in (1, 2, 3, 4)) for row in done]
         assert cell.medians["joint_error"] == (median(worst) if done else None)
-    written = json.loads((flown / "out" / "compare.json").read_text(encoding="utf-8"))
+    written = json.loads((finished_comparison / "out" / "compare.json").read_text(encoding="utf-8"))
     assert written == json.loads(json.dumps({"comparisons": [comparison.to_dict()]}))
 
 
-def test_what_failed_is_shown(flown: Path) -> None:
+def test_a_failed_law_has_a_row_in_every_table(finished_comparison: Path) -> None:
     """A law that never settles, and one that ends its runs, have a row in every table that says so."""
-    comparison = compared(flown)
+    comparison = compared(finished_comparison)
     for metric in METRICS:
         texts = {row[0]: row[2] for row in rows_of(comparison, metric)}
         assert set(texts) == {"torque", "mfac", "nothing", "gives_up"}
@@ -106,26 +110,26 @@ def test_what_failed_is_shown(flown: Path) -> None:
     assert reason.startswith("controller: ")
 
 
-def test_all_tables_are_written_and_drawn(flown: Path) -> None:
+def test_all_tables_are_written_and_drawn(finished_comparison: Path) -> None:
     """The Markdown file has every metric and, marked as wall clock, what a cycle costs; there is a picture."""
-    text = (flown / "all.md").read_text(encoding="utf-8")
+    text = (finished_comparison / "all.md").read_text(encoding="utf-8")
     assert all(what in text for what in METRICS.values())
     assert "wall clock" in text
     lines = [line for line in text.splitlines() if line.startswith("| ")]
     assert len({line.count("|") for line in lines}) == 2  # metrics and costs
-    assert (flown / "out" / "four.png").read_bytes().startswith(b"\x89PNG")
-    comparison = compared(flown)
+    assert (finished_comparison / "out" / "four.png").read_bytes().startswith(b"\x89PNG")
+    comparison = compared(finished_comparison)
     assert "| torque | 12 |" in markdown([comparison], {"four": {"torque": 12.4, "gives_up": None}})
 
 
-def test_a_flown_comparison_is_shown_again(
-    flown: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_a_finished_comparison_is_shown_again(
+    finished_comparison: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """With ``--resume`` nothing is flown twice and the numbers are the same bits."""
-    files = [flown / "out" / "compare.json", flown / "out" / "four" / "rows.jsonl"]
+    """With ``--resume`` nothing is run twice and the numbers are the same bits."""
+    files = [finished_comparison / "out" / "compare.json", finished_comparison / "out" / "four" / "rows.jsonl"]
     before = [file.read_bytes() for file in files]
-    again = ("--out", str(flown / "out"), "--resume", "--workers", "1", "--json")
-    assert call(monkeypatch, "compare", str(flown / "four.yaml"), *again) == 0
+    again = ("--out", str(finished_comparison / "out"), "--resume", "--workers", "1", "--json")
+    assert call(monkeypatch, "compare", str(finished_comparison / "four.yaml"), *again) == 0
     assert [file.read_bytes() for file in files] == before
     said = json.loads(capsys.readouterr().out)
     assert said["comparisons"] == json.loads(before[0])["comparisons"]
@@ -147,7 +151,7 @@ def test_a_flown_comparison_is_shown_again(
         (("four.yaml", "--out", "four.yaml"), ("four.yaml",)),
     ],
 )
-def test_what_cannot_be_compared_is_refused(
+def test_a_campaign_that_cannot_be_compared_is_refused(
     space_robot: Tool, tmp_path: Path, arguments: tuple[str, ...], words: tuple[str, ...]
 ) -> None:
     """One line that names the key, exit 2, and nothing is written."""

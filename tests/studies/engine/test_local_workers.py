@@ -117,7 +117,7 @@ def test_every_task_is_done_once(pool: LocalWorkers) -> None:
         (close_everything, (), "lost: the worker process went away"),
     ],
 )
-def test_a_task_costs_itself_and_no_other(
+def test_a_failing_task_costs_no_other_task(
     pool: LocalWorkers, function: Any, arguments: tuple[Any, ...], reason: str
 ) -> None:
     """Whatever a task raises, or does to its process, is its outcome; the tasks around it are done."""
@@ -164,7 +164,7 @@ def test_a_reason_to_stop_ends_the_work() -> None:
     assert not processes & set(descendants(os.getpid()))
 
 
-def test_what_was_prepared_is_there_in_every_worker() -> None:
+def test_preloaded_modules_are_loaded_in_every_worker() -> None:
     """Modules the spawner has loaded are loaded in workers, also in those that replace others."""
     with LocalWorkers(1, LIMIT, (load, ("colorsys",))) as pool:
         found = all_of(pool, Task(1, loaded, ("colorsys",)), Task(2, os._exit, (1,)), Task(3, loaded, ("colorsys",)))

@@ -1,4 +1,4 @@
-"""Conditions of claims: only numbers and comparisons, checked before a flight, never more of Python."""
+"""Conditions of claims: only numbers and comparisons, checked before a run, never more of Python."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_a_condition_means_what_python_means(late: float, worst: float, n1: floa
         "(" * 500 + "1" + ")" * 500,
     ],
 )
-def test_everything_else_is_refused_before_it_is_evaluated(text: str) -> None:
+def test_an_expression_beyond_comparisons_is_refused_unevaluated(text: str) -> None:
     """What is no comparison of numbers is one clear error that names the key."""
     with pytest.raises(SpecError, match=r"^claims\.0\.holds_if: "):
         Condition(text, NAMES, "claims.0.holds_if")
@@ -85,7 +85,7 @@ def test_a_formula_means_what_python_means(late: float, worst: float) -> None:
 
 
 @pytest.mark.parametrize("text", ["late < 1", "not late", "latest - 1", "late +", ""])
-def test_what_is_no_formula_is_refused(text: str) -> None:
+def test_a_bad_formula_is_refused_with_its_key(text: str) -> None:
     """A condition where a number is wanted, an unknown name or no expression at all is refused by its key."""
     with pytest.raises(SpecError, match="derived"):
         Formula(text, NAMES, "derived")

@@ -74,7 +74,7 @@ def test_a_run_without_the_number_is_refused_skipped_or_replaced_as_said() -> No
     assert skipped.runs == 3
 
 
-def test_nothing_left_has_no_number_but_counts_as_none() -> None:
+def test_a_measure_without_runs_has_only_a_count_and_a_sum() -> None:
     """When every run lacks the number only its count and sum exist."""
     runs = finished(data(None))
     assert reduce(Number(metric="settling", reduce="max", missing="skip"), runs, BOUNDS).value is None
@@ -172,7 +172,7 @@ def test_a_claim_may_use_cycle_times() -> None:
         ({"found": "{slowest"}, "format string"),
     ],
 )
-def test_words_of_a_claim_are_checked_before_flying(change: dict[str, Any], word: str) -> None:
+def test_words_of_a_claim_are_checked_before_the_runs(change: dict[str, Any], word: str) -> None:
     """Condition and text name only what there is."""
     with pytest.raises(SpecError, match="figures"):
         check_words(claim(**change), "figures.8.claims.0")
@@ -221,8 +221,8 @@ def test_pairs_are_judged_where_both_have_the_number() -> None:
         found="{both:.0f} of {all:.0f}",
     )
     assert judge(both, figure(both), [*quick, *slow]).found == "5 of 12"
-    nobody = claim(measures={"slowest": measure | {"only_if": {"metric": "settling", "of": ["slow", "absent"]}}})
-    assert judge(nobody, figure(nobody), slow).found.startswith("0.0 s over 0 runs")
+    no_partner = claim(measures={"slowest": measure | {"only_if": {"metric": "settling", "of": ["slow", "absent"]}}})
+    assert judge(no_partner, figure(no_partner), slow).found.startswith("0.0 s over 0 runs")
 
 
 def test_derived_numbers_are_formulas_over_the_measures() -> None:
@@ -237,7 +237,7 @@ def test_derived_numbers_are_formulas_over_the_measures() -> None:
 
 
 def test_draws_of_a_campaign_are_counted_as_such() -> None:
-    """Runs of a campaign are told by their number, not by a drawn seed of sixteen digits."""
+    """Runs of a campaign are identified by their number, not by a drawn seed of sixteen digits."""
     runs = finished(data(1.0), data(2.0))
     cases = [(replace(run, values={"run": place}), one) for place, (run, one) in enumerate(runs)]
     judged = judge(claim(), figure(claim()), cases)

@@ -38,7 +38,7 @@ def test_varied_values_and_seeds_are_combined(tmp_path: Path) -> None:
     assert len(made.distinct_runs(["a"])) == 4
 
 
-def test_one_varying_key_is_told_by_its_value_alone(tmp_path: Path) -> None:
+def test_one_varying_key_is_labelled_by_its_value_alone(tmp_path: Path) -> None:
     """Labels are short: the group and the value, and the group alone for a single run."""
     groups = (
         "prior: {experiment: liu2023/fig08, set: {nominal.dispersion.eta: 0.2}, seeds: {first: 1, count: 3}}",
@@ -190,7 +190,7 @@ def test_the_cases_of_a_campaign_become_its_runs(tmp_path: Path) -> None:
     assert len({run.distinct.name for run in runs}) == 6
 
 
-def test_what_is_set_of_a_campaign_changes_no_draw(tmp_path: Path) -> None:
+def test_set_and_runs_of_a_campaign_change_no_draw(tmp_path: Path) -> None:
     """``set`` comes last, ``runs`` takes the first of the campaign's runs: partners keep their draws and seeds."""
     (tmp_path / "c.yaml").write_text(CAMPAIGN)
     where = "where: {plant.delay_periods: 0, controller.gains: soft}"

@@ -33,8 +33,8 @@ pytest.importorskip("jinja2")
 # Two figures share the run "real"; sensors are noisy, so that seeds matter.
 MANIFEST = """
 title: "A paper with <tags> & brackets [red]"
-citation: "Nobody, Tests 1, 2023"
-notes: Gains are ours.
+citation: "Anon, Tests 1, 2023"
+notes: Gains are assumed.
 figures:
   8:
     title: Orientation
@@ -220,7 +220,7 @@ def test_a_failed_run_has_diverged_and_fails_unless_expected(space_robot: Tool, 
 
 
 @pytest.mark.parametrize(("keep", "left"), [("all", 3), ("failed", 0), ("none", 0)])
-def test_bags_are_kept_as_said(space_robot: Tool, tmp_path: Path, keep: str, left: int) -> None:
+def test_bags_are_kept_as_the_option_says(space_robot: Tool, tmp_path: Path, keep: str, left: int) -> None:
     """Keep decides which bags stay; the numbers are the same."""
     write(tmp_path, keep=keep)
     assert space_robot("reproduce", "paper.yaml", "--figure", "8").returncode == 0
@@ -288,7 +288,7 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "a text of unknowns": ({"claims": [CLAIM | {"found": "{b}"}]}, ("claims.0.found", "'b'")),
     "an unknown verdict": ({"claims": [CLAIM | {"verdict": "hold"}]}, ("claims.0.verdict", "holds")),
     "no reason": ({"claims": [{"paper": "p", "verdict": "not checkable"}]}, ("claims.0", "because")),
-    "a run nobody can compose": (
+    "a run that cannot be composed": (
         {"runs": {"real": {"experiment": "liu2023/fig08", "set": {"controller.gains.lambda": -1}}}},
         ("figures.8.runs.real", "real cannot be run", "lambda"),
     ),
@@ -375,7 +375,7 @@ def test_a_signal_ends_it_without_a_verdict_and_it_can_be_resumed(
     assert len((place / "rows.jsonl").read_text().splitlines()) == 25
 
 
-def test_what_is_resumed_is_what_would_be_run(space_robot: Tool, tmp_path: Path) -> None:
+def test_a_resumed_reproduction_equals_an_uninterrupted_one(space_robot: Tool, tmp_path: Path) -> None:
     """Page and claims of a resumed reproduction are those of one at a stretch; what has changed is run again."""
     write(tmp_path)
     assert space_robot("reproduce", "paper.yaml").returncode == 0
@@ -419,8 +419,8 @@ def test_a_campaigns_directory_is_left_alone(space_robot: Tool, tmp_path: Path) 
     assert (tmp_path / "mc" / "rows.jsonl").read_text() == "years"
 
 
-def test_a_case_has_the_bits_the_campaign_flies(tmp_path: Path) -> None:
-    """Every number of a case is the same whether the campaign flies it or the manifest shows it."""
+def test_a_reproduced_case_equals_the_case_of_its_campaign(tmp_path: Path) -> None:
+    """Every number of a case is the same whether the campaign runs it or the manifest shows it."""
     manifest = {"8": {"title": "t", "runs": {"x": {"campaign": "giordano2023/sec5_euler", "runs": 2}}}}
     (tmp_path / "paper.yaml").write_text(json.dumps({"title": "t", "citation": "c", "figures": manifest}))
     campaign = load_campaign("giordano2023/sec5_euler")

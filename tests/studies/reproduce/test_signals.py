@@ -34,19 +34,19 @@ class Adaptive(Law):
 
 
 @pytest.fixture(scope="module")
-def flown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Signals, Path]:
-    """A short noisy flight with another robot than the law believes in."""
+def noisy_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Signals, Path]:
+    """A short noisy run with another robot than the law believes in."""
     bag = tmp_path_factory.mktemp("signals") / "bag"
     experiment = load_experiment("liu2023/fig08", OVERRIDES)
     run_experiment(experiment, bag, mode="headless")
     return Signals(LogReader(bag).arrays(), compose(experiment)), bag
 
 
-def test_every_name_gives_one_number_per_tick(flown: tuple[Signals, Path]) -> None:
-    """What is offered before a flight is there after it, finite over the whole run; an axis only while it turns."""
-    signals, _ = flown
-    names, law_tells = signal_names(signals.composition)
-    assert law_tells
+def test_every_name_gives_one_number_per_tick(noisy_run: tuple[Signals, Path]) -> None:
+    """What is offered before a run is there after it, finite over the whole run; an axis only while it turns."""
+    signals, _ = noisy_run
+    names, law_labels = signal_names(signals.composition)
+    assert law_labels
     assert len(set(names)) == len(names) > 100
     for name in names:
         values = signals.of(name)
@@ -54,9 +54,9 @@ def test_every_name_gives_one_number_per_tick(flown: tuple[Signals, Path]) -> No
         assert np.isfinite(values).all() or name == "base.axis_distance", name
 
 
-def test_errors_are_those_of_the_metrics(flown: tuple[Signals, Path]) -> None:
+def test_errors_are_those_of_the_metrics(noisy_run: tuple[Signals, Path]) -> None:
     """The largest, last and RMS error of a signal is the metric of that name: the true motion, not the measured one."""
-    signals, bag = flown
+    signals, bag = noisy_run
     numbers = measure(LogReader(bag).ticks(), signals.composition.joint_names, base_translation=False).flat()
     for axis in ("base/roll", "base/pitch", "base/yaw", *signals.composition.joint_names):
         error = signals.of(f"{axis}.error")
@@ -65,9 +65,9 @@ def test_errors_are_those_of_the_metrics(flown: tuple[Signals, Path]) -> None:
         assert np.sqrt(np.mean(error**2)) == pytest.approx(numbers[f"{axis}.rms_error"], rel=1e-12)
 
 
-def test_joint_errors_are_value_minus_reference(flown: tuple[Signals, Path]) -> None:
+def test_joint_errors_are_value_minus_reference(noisy_run: tuple[Signals, Path]) -> None:
     """Of joints and of rotations about one axis the error is the difference of the curves one sees."""
-    signals, _ = flown
+    signals, _ = noisy_run
     for axis in (*signals.composition.joint_names, "base/x"):
         difference = signals.of(f"{axis}.value") - signals.of(f"{axis}.reference")
         assert np.allclose(signals.of(f"{axis}.error"), difference, atol=1e-12)
@@ -100,9 +100,9 @@ def test_lengths_of_joints_are_in_metres(tmp_path: Path) -> None:
     assert np.array_equal(signals.of("joints.error"), np.abs(signals.of("grasp_angle.error")))
 
 
-def test_totals_are_norms_and_elements_are_elements(flown: tuple[Signals, Path]) -> None:
+def test_totals_are_norms_and_elements_are_elements(noisy_run: tuple[Signals, Path]) -> None:
     """base.error is an angle, a block without index its norm, joints.error the largest."""
-    signals, _ = flown
+    signals, _ = noisy_run
     parts = np.array([signals.of(f"base/{axis}.error") for axis in ("roll", "pitch", "yaw")])
     assert np.allclose(signals.of("base.error"), np.linalg.norm(parts, axis=0))
     torque = np.array([signals.of(f"command.torque[{index}]") for index in range(3)])
@@ -112,9 +112,9 @@ def test_totals_are_norms_and_elements_are_elements(flown: tuple[Signals, Path])
     assert np.array_equal(signals.of("joints.error"), np.abs(joints).max(axis=0))
 
 
-def test_paths_and_tools_are_those_of_their_functions(flown: tuple[Signals, Path]) -> None:
+def test_paths_and_tools_are_those_of_their_functions(noisy_run: tuple[Signals, Path]) -> None:
     """The path ends at its ratio, an axis has a distance while the base turns, the tool is that of the true robot."""
-    signals, _ = flown
+    signals, _ = noisy_run
     q, q_d = signals.arrays.plant["true_configuration"], signals.arrays.q_d
     assert signals.of("base.path")[-1] == path_ratio(q[:, 3:7], q_d[-1, 3:7])
     distances, turning = axis_distances(q[:, 3:7], signals.arrays.plant["true_velocity"][:, 3:6], q_d[-1, 3:7])
@@ -138,7 +138,7 @@ def test_without_a_way_to_go_there_is_no_path(tmp_path: Path) -> None:
 
 
 def test_parameters_are_of_the_robot_they_say(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Truth is the robot that flies, prior what the law starts from, estimate what its telemetry says."""
+    """Truth is the robot of the plant, prior what the law starts from, estimate what its telemetry says."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "adaptive.py").write_text(ADAPTIVE)
     law = "controller={law: 'adaptive.py:Adaptive'}"
@@ -161,11 +161,11 @@ def test_parameters_are_of_the_robot_they_say(tmp_path: Path, monkeypatch: pytes
     assert np.array_equal(signals.of("controller.pair[1]"), np.full(3, -4.0))
 
 
-def test_a_law_without_an_answer_tells_no_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_law_without_telemetry_has_no_labels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where even the first state ends the run, names of the law's telemetry are unknown, and that is said."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "adaptive.py").write_text(ADAPTIVE.replace("6 + self.n", "6"))
     composition: Composition = compose(load_experiment("liu2023/fig08", ["controller={law: 'adaptive.py:Adaptive'}"]))
-    names, law_tells = signal_names(composition)
-    assert not law_tells
+    names, law_labels = signal_names(composition)
+    assert not law_labels
     assert not any(name.startswith("controller.") for name in names)

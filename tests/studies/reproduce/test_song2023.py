@@ -1,4 +1,4 @@
-"""Numbers that the manifest of Song et al. (2023) states are those of the robot and the settings that are flown."""
+"""Numbers that the manifest of Song et al. (2023) states are those of the robot and the settings that are run."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_printed_bounds_are_those_of_a_rigid_pair(manifest: Manifest, pair: tupl
     assert [float(said[1]), float(said[2])] == pytest.approx([to_rest, into_band], abs=0.05)
 
 
-def test_marks_of_the_map_are_the_flown_settings(manifest: Manifest, pair: tuple[float, float]) -> None:
+def test_marks_of_the_map_are_the_settings_of_the_runs(manifest: Manifest, pair: tuple[float, float]) -> None:
     """Every mark stands at phi^2 / lambda and rho_3 of the experiment it names, and its lead is the map's."""
     found = {text: (one, mark) for one in manifest.figures["stability"].maps for text, mark in one.marks.items()}
     for text, name in MARKED.items():

@@ -47,7 +47,7 @@ def random_coordinates(rng: np.random.Generator, n: int) -> tuple[Vector, ...]:
     return x, *rng.normal(size=(3, 6 + n))
 
 
-def random_flight(rng: np.random.Generator, n: int) -> tuple[RobotState, Reference]:
+def random_states(rng: np.random.Generator, n: int) -> tuple[RobotState, Reference]:
     """A state, and a reference of the same stamp somewhere else."""
 
     def configuration() -> Vector:
@@ -137,7 +137,7 @@ def test_command_is_that_of_the_equations_over_pinocchio(name: str, lambda_on: s
         root = rng.normal(size=(size, size))
         cycle.rule.k_d[:] = root @ root.T
         pi = parameters * rng.uniform(0.8, 1.2, parameters.size)
-        (state, reference), wheels = random_flight(rng, robot.n), rng.normal(size=3)
+        (state, reference), wheels = random_states(rng, robot.n), rng.normal(size=3)
         u, value = cycle.control(pi, *euler_state(state), state.v[3:6], wheels, reference)
         wanted_u, wanted_sigma, wanted_value = expected_control(cycle, robot, pi, state, wheels, reference)
         assert off(u, wanted_u) < 1e-12
@@ -156,8 +156,8 @@ def test_regression_is_that_of_the_equations_over_pinocchio(name: str, source: s
     pi = np.array(regressor.parameters)
     for _ in range(20):
         (start, _), (end, _), (wrench, wheels) = (
-            random_flight(rng, robot.n),
-            random_flight(rng, robot.n),
+            random_states(rng, robot.n),
+            random_states(rng, robot.n),
             rng.normal(size=(2, 6)),
         )
         (x0, dx0), (x1, dx1) = euler_state(start), euler_state(end)
@@ -213,8 +213,8 @@ def test_cache_watches_every_source_of_the_cycle() -> None:
     assert jit.digest(compiled.py_func) != jit.digest(jit.kernel)
 
 
-def test_who_waits_is_told_for_what(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The notice names plant and law where they are to be compiled, and nobody is told of what is ready."""
+def test_the_compilation_notice_names_plant_and_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The notice names plant and law where they are to be compiled, and says nothing of what is ready."""
     for plant, law, said in (
         (False, False, ""),
         (True, False, "compiling the plant, once (about 20 s)"),
@@ -274,7 +274,7 @@ def commands() -> list[float]:
     return found
 
 
-def test_flies_without_numba() -> None:
+def test_runs_without_numba() -> None:
     """The same text uncompiled gives the same commands, estimates and covariance to 1e-12, without a warning."""
     numbers = [float.fromhex(number) for number in python(WITHOUT_NUMBA).split()]
     np.testing.assert_allclose(numbers, commands(), rtol=1e-12, atol=1e-12)

@@ -37,8 +37,8 @@ ALL_AXES = {
 PRIOR = {"dispersion": {"eta": 0.2, "inconsistent": "keep"}}
 
 
-def fly(gains: dict[str, Any], **changes: Any) -> tuple[Composition, list[Tick], str]:
-    """Fly `mini` through the waves of Fig. 11 under the adaptive law, with changes to the experiment."""
+def simulate(gains: dict[str, Any], **changes: Any) -> tuple[Composition, list[Tick], str]:
+    """Run `mini` through the waves of Fig. 11 under the adaptive law, with changes to the experiment."""
     experiment = {
         "robot": "mini",
         "control_period": 0.25,
@@ -91,7 +91,7 @@ def lyapunov_function(composition: Composition, ticks: list[Tick], gamma: float)
 def test_lyapunov_function_decreases_at_ten_milliseconds() -> None:
     """With the update (44), no noise and T = 10 ms, (42) falls at every period down to what the hold leaves."""
     gains = {"update": "lyapunov", "tracking": {"gain": 1000}, "lead": True}
-    composition, ticks, reason = fly(gains, control_period=0.01, duration=20.0, nominal=PRIOR)
+    composition, ticks, reason = simulate(gains, control_period=0.01, duration=20.0, nominal=PRIOR)
     value = lyapunov_function(composition, ticks, 1000.0)
     assert reason == "completed"
     assert np.diff(value).max() < 1e-6 * value[0]
@@ -101,7 +101,7 @@ def test_lyapunov_function_decreases_at_ten_milliseconds() -> None:
 @pytest.mark.parametrize("update", ["rls", "composite"])
 def test_excited_directions_are_found_and_the_others_left_alone(update: str) -> None:
     """With base roll and three joints moving, Ixx of the base is corrected, Iyy and Izz keep the error of the prior."""
-    composition, ticks, _ = fly({"update": update, "lead": True}, nominal=PRIOR, duration=100.0)
+    composition, ticks, _ = simulate({"update": update, "lead": True}, nominal=PRIOR, duration=100.0)
     before = inertial_parameters(composition.nominal)[0] / inertial_parameters(composition.truth)[0] - 1.0
     after = ticks[-1].output.telemetry["parameters"][:10] / inertial_parameters(composition.truth)[0] - 1.0
     assert abs(before[4]) > 0.15
@@ -111,22 +111,22 @@ def test_excited_directions_are_found_and_the_others_left_alone(update: str) -> 
 
 def test_exciting_all_axes_recovers_all_inertias_of_the_base() -> None:
     """With every degree of freedom moving, Ixx, Iyy and Izz of the base converge to the truth within 1 %."""
-    composition, ticks, _ = fly({"lead": True}, reference=ALL_AXES, nominal=PRIOR, duration=120.0)
+    composition, ticks, _ = simulate({"lead": True}, reference=ALL_AXES, nominal=PRIOR, duration=120.0)
     assert np.abs(distance(composition, ticks)[0, [4, 6, 9]]).max() < 0.01
 
 
 @pytest.mark.parametrize("update", ["rls", "lyapunov", "composite"])
 def test_correcting_the_parameters_tracks_better_than_not_to(update: str) -> None:
     """From a prior 20 % off, each update ends with less than a third of the error without one."""
-    _, fixed, _ = fly({"update": "none", "lead": True}, nominal=PRIOR)
-    _, learned, reason = fly({"update": update, "lead": True}, nominal=PRIOR)
+    _, fixed, _ = simulate({"update": "none", "lead": True}, nominal=PRIOR)
+    _, learned, reason = simulate({"update": update, "lead": True}, nominal=PRIOR)
     assert reason == "completed"
     assert rms(learned, 30.0) < rms(fixed, 30.0) / 3.0
 
 
 def test_half_a_period_of_lead_removes_the_error_of_the_hold() -> None:
     """With exact parameters at T = 0.25 s the lead leaves less than a fifth of the tracking error."""
-    errors = [rms(fly({"update": "none", "lead": lead})[1]) for lead in (False, True)]
+    errors = [rms(simulate({"update": "none", "lead": lead})[1]) for lead in (False, True)]
     assert errors[1] < errors[0] / 5.0
 
 
@@ -135,7 +135,7 @@ def test_half_a_period_of_lead_removes_the_error_of_the_hold() -> None:
 def test_every_shipped_robot_is_tracked_with_a_wrong_prior(name: str, update: str) -> None:
     """Free-floating or free-flying, four to eight joints: 0.1 deg of tracking from a prior 10 % off."""
     reference = {"kind": "quintic", "duration": 30.0, "attitude_deg": [5, -5, 10], "joints_by_deg": 10}
-    _, ticks, reason = fly(
+    _, ticks, reason = simulate(
         {"update": update, "lead": True},
         robot=name,
         initial={},
@@ -146,12 +146,12 @@ def test_every_shipped_robot_is_tracked_with_a_wrong_prior(name: str, update: st
     assert np.degrees(rms(ticks)) < 0.1
 
 
-def test_a_payload_captured_in_flight_is_learned() -> None:
+def test_a_payload_captured_during_the_run_is_learned() -> None:
     """3 kg on a 2 kg antenna at 20 s: with the reset the error ends below a twentieth of that without update."""
     payload = {"mass": 3.0, "inertia": [0.02, 0.02, 0.03], "pose": {"xyz": [0.0, 0.0, 0.1]}}
     plant = {"capture": {"time": 20.0, "payload": payload}}
-    _, fixed, _ = fly({"update": "none", "lead": True}, plant=plant)
-    _, learned, _ = fly({"update": "rls", "lead": True}, plant=plant)
+    _, fixed, _ = simulate({"update": "none", "lead": True}, plant=plant)
+    _, learned, _ = simulate({"update": "rls", "lead": True}, plant=plant)
     assert block(learned, "resets")[-1] == 1.0
     assert block(learned, "resets")[80] == 0.0
     assert rms(learned, 40.0) < rms(fixed, 40.0) / 20.0
@@ -163,7 +163,7 @@ def test_readings_of_lambda_have_the_poles_they_should() -> None:
     overshoot = {}
     for reading in ("position", "velocity"):
         gains = {"update": "none", "lambda": 0.8, "lambda_on": reading}
-        _, ticks, _ = fly(gains, reference=step, control_period=0.05, duration=30.0)
+        _, ticks, _ = simulate(gains, reference=step, control_period=0.05, duration=30.0)
         roll = 1.0 - np.degrees(block(ticks, "euler_error")[:, 0])
         overshoot[reading] = roll.max() - 1.0
     damping = 0.4
@@ -201,12 +201,12 @@ def test_the_sampled_rule_is_where_a_held_mode_begins_to_grow(on: Any, lead: boo
         assert radius(0.99 * low) > 1.0
 
 
-def test_review_tells_the_rule_along_the_path_and_warns_outside() -> None:
-    """Inside the rule there are facts and no warning, outside both; the flight agrees."""
+def test_review_states_the_rule_along_the_path_and_warns_outside() -> None:
+    """Inside the rule there are facts and no warning, outside both; the run agrees."""
     step = {"kind": "step", "attitude_deg": [10, 0, 0], "joints_deg": [90, 55, 55, 10]}
     for weight, warned in ((2.0, False), (2.6, True)):
         gains = {"update": "none", "lambda": weight}
-        composition, ticks, _ = fly(gains, reference=step, control_period=0.5, duration=100.0)
+        composition, ticks, _ = simulate(gains, reference=step, control_period=0.5, duration=100.0)
         review = composition.review()
         assert bool(review.warnings) == warned
         assert "lambda_max(M^-1 K_D) = 1.86" in review.facts[0]
@@ -217,7 +217,7 @@ def test_review_tells_the_rule_along_the_path_and_warns_outside() -> None:
 
 def test_the_force_on_a_free_floating_base_is_exactly_zero() -> None:
     """Bitwise, and the momentum of the robot stays what it was."""
-    _, ticks, _ = fly({"update": "composite"}, nominal=PRIOR, duration=20.0)
+    _, ticks, _ = simulate({"update": "composite"}, nominal=PRIOR, duration=20.0)
     assert not np.any([tick.output.command.wrench[:3] for tick in ticks])
     assert np.abs([tick.sample.telemetry["momentum"][:3] for tick in ticks]).max() < 1e-13
 
@@ -240,10 +240,10 @@ def test_the_momentum_of_the_wheels_is_dead_reckoned_and_used() -> None:
     """The law's sum of torques is the plant's wheel momentum, and knowing it removes most of the cross-axis error."""
     cross = {}
     for known in (True, False):
-        ticks = fly({"update": "none", "lead": True, "gyroscopic": known})[1]
+        ticks = simulate({"update": "none", "lead": True, "gyroscopic": known})[1]
         cross[known] = np.sqrt(np.mean(block(ticks, "euler_error")[:, 1:] ** 2))
     assert cross[True] < cross[False] / 10.0
-    ticks = fly({"update": "none"})[1]
+    ticks = simulate({"update": "none"})[1]
     torque = np.array([tick.output.command.wrench[3:] for tick in ticks])
     wheels = np.array([tick.sample.telemetry["wheel_momentum"] for tick in ticks])
     assert wheels[1:] == pytest.approx(-0.25 * np.cumsum(torque, axis=0)[:-1], abs=1e-12)
@@ -252,7 +252,7 @@ def test_the_momentum_of_the_wheels_is_dead_reckoned_and_used() -> None:
 def test_a_saturated_base_teaches_nothing() -> None:
     """A period whose torque is beyond the nominal wheels is left out: learned is 0 and the estimate stays."""
     step = {"kind": "step", "attitude_deg": [60, 0, 0]}
-    _, ticks, _ = fly({"update": "rls"}, reference=step, nominal=PRIOR, duration=5.0)
+    _, ticks, _ = simulate({"update": "rls"}, reference=step, nominal=PRIOR, duration=5.0)
     over = np.abs(np.array([tick.output.command.wrench[3:] for tick in ticks])).max(axis=1) > 1.5
     learned, estimate = block(ticks, "learned")[:, 0], block(ticks, "parameters")
     assert over[0]
@@ -264,7 +264,7 @@ def test_a_saturated_base_teaches_nothing() -> None:
 
 def test_reset_makes_the_next_run_the_first() -> None:
     """After reset a law answers the same states with the same bits."""
-    composition, ticks, _ = fly({"update": "composite", "lead": True}, nominal=PRIOR, duration=10.0)
+    composition, ticks, _ = simulate({"update": "composite", "lead": True}, nominal=PRIOR, duration=10.0)
     law = composition.controller()
     for _ in range(2):
         law.reset()
@@ -280,7 +280,7 @@ def test_consistency_is_kept_when_it_is_asked_for() -> None:
         {"update": "rls", "consistency": "project"},
         {"update": "lyapunov", "consistency": "natural"},
     ):
-        _, ticks, reason = fly(gains | {"lead": True}, nominal=PRIOR)
+        _, ticks, reason = simulate(gains | {"lead": True}, nominal=PRIOR)
         assert reason == "completed"
         shares[gains["consistency"]] = block(ticks, "consistent").mean()
     assert shares["none"] < 1.0
@@ -310,9 +310,9 @@ def test_euler_singularity_is_refused_before_it_is_reached(pitch: float) -> None
         answer({}, pitch)
 
 
-def test_a_path_through_the_singularity_is_refused_before_the_flight() -> None:
+def test_a_path_through_the_singularity_is_refused_before_the_run() -> None:
     """A reference that pitches up to 85 degrees is bad input, found by the review."""
-    composition = fly({}, reference={"kind": "hold", "attitude_deg": [0, 85, 0]}, duration=1.0)[0]
+    composition = simulate({}, reference={"kind": "hold", "attitude_deg": [0, 85, 0]}, duration=1.0)[0]
     with pytest.raises(SpecError, match="singularity"):
         composition.review()
 
@@ -328,7 +328,7 @@ def test_a_prior_without_a_mass_matrix_is_a_named_error() -> None:
 def test_a_lost_estimate_ends_the_run_with_its_name_and_finite_torques() -> None:
     """A step at a high Lyapunov gain loses the mass: the run says so, and no NaN was commanded on the way."""
     step = {"kind": "step", "attitude_deg": [60, 0, 0]}
-    _, ticks, reason = fly({"update": "lyapunov", "tracking": {"gain": 1e5}}, reference=step)
+    _, ticks, reason = simulate({"update": "lyapunov", "tracking": {"gain": 1e5}}, reference=step)
     assert "estimated mass is no longer positive" in reason
     assert np.isfinite([tick.output.command.u for tick in ticks]).all()
 
@@ -348,7 +348,7 @@ def test_a_lost_estimate_ends_the_run_with_its_name_and_finite_torques() -> None
     ],
 )
 def test_gains_that_cannot_be_used_are_named(gains: dict[str, Any], said: str) -> None:
-    """Every bad gain is refused with its key before anything flies."""
+    """Every bad gain is refused with its key before anything runs."""
     with pytest.raises(SpecError) as refused:
         make_law("adaptive", load_robot("mini"), 0.25, gains)
     assert said in str(refused.value)

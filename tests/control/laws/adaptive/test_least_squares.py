@@ -31,7 +31,7 @@ def test_recursive_equals_batch_least_squares_on_the_same_rows(seed: int) -> Non
     assert rls.covariance_trace == pytest.approx(np.trace(rls.covariance), rel=1e-12)
 
 
-def test_what_is_not_excited_keeps_its_prior() -> None:
+def test_unexcited_directions_keep_their_prior() -> None:
     """Directions that no row contains keep estimate and spread to the bit, and nothing winds up."""
     rng = np.random.default_rng(1)
     rls, estimate = RecursiveLeastSquares(np.ones(SIZE), np.inf, 1), np.ones(SIZE)

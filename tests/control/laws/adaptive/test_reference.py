@@ -125,7 +125,7 @@ def test_the_explicit_matrices_are_the_regressor_and_c_is_christoffels(robot: st
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("update", UPDATES)
 def test_adaptive_equals_its_reference_in_random_states(update: str, robot: str) -> None:
-    """Over random states, references and gains, with every update, floating and flying."""
+    """Over random states, references and gains, with every update, floating and free-flying."""
     rng = np.random.default_rng(3)
     for _ in range(4):
         law, equations = pair(ROBOTS[robot], some_gains(ROBOTS[robot], update, rng))

@@ -33,7 +33,7 @@ def by_the_reference(law: ComputedTorque, state: RobotState, desired: Reference)
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=IDS)
 def test_computed_torque_equals_its_reference_in_random_states(robot: Robot) -> None:
-    """Commands agree to 1e-12 of the largest entry over random states, references and gains, floating and flying."""
+    """Commands agree to 1e-12 of the largest entry over random states, references and gains, in both base modes."""
     rng = np.random.default_rng(1)
     for _ in range(40):
         axes = rng.uniform(0.1, 2.0, size=(2, 3)).tolist()

@@ -62,6 +62,20 @@ def test_lambda_shares_out_the_step() -> None:
         np.testing.assert_allclose(same.update(np.array([1.0]), np.zeros(1), gradient), law.command, rtol=1e-12)
 
 
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-3])
+def test_lambda_has_a_floor_where_phi_is_nearly_singular(angle: float) -> None:
+    """Across the only direction in which the outputs still answer, the input is at most error / least gain."""
+    first = np.hstack([np.zeros((2, 4)), np.eye(2)])
+    gradient = PseudoGradient(first, 2, 1, sigma=0.0, beta=1.0, floor=0.1)
+    gradient.estimate[:, 4:] = [[1.0, 1.0], [1.0, 1.0 + angle]]
+    law = IncrementalController(weights_of(2, 1, 1.0, 0.0, 0.0), 2, 1, np.full(2, np.inf))
+    across = law.update(np.array([1.0, -1.0]) / np.sqrt(2.0), np.zeros(2), gradient)
+    assert np.linalg.norm(across) <= 1.0 / gradient.least_gain
+    law.reset()
+    along = law.update(np.array([1.0, 1.0]), np.zeros(2), gradient)
+    np.testing.assert_allclose(gradient.block(2) @ along, [1.0, 1.0], rtol=0.01)
+
+
 @pytest.mark.parametrize(("m", "ly", "lu"), [(1, 2, 1), (3, 2, 1), (2, 1, 2)])
 def test_the_estimate_converges_under_persistent_excitation(m: int, ly: int, lu: int) -> None:
     """Driven by white noise, the estimate reaches the plant's Phi from a wrong one and the innovation vanishes."""

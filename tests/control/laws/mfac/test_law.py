@@ -19,7 +19,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
-from tests.control.laws.test_computed_torque import errors, fly
+from tests.control.laws.test_computed_torque import errors, simulate
 from tests.support.robots import arm_model, robot_of
 
 MOTION: dict[str, Any] = {"kind": "quintic", "duration": 40.0, "attitude_deg": [4, -4, 8], "joints_by_deg": 15}
@@ -33,7 +33,7 @@ def worst(robot: Robot, law: str, gains: dict[str, Any], period: float, start: f
     """Largest attitude or joint error [deg] of a smooth motion and 50 s at rest, after ``start`` seconds."""
     spec = MOTION | {"start": start} | motion
     reference, steps = make_reference(spec, robot, home(robot)), round((start + spec["duration"] + 50.0) / period)
-    rows = fly(make_law(law, robot, period, gains), reference, robot, home(robot), period, steps)
+    rows = simulate(make_law(law, robot, period, gains), reference, robot, home(robot), period, steps)
     seen = rows[round(start / period) :]
     return float(np.degrees(max(np.abs(errors(seen, label)).max() for label in ("attitude_error", "joint_error"))))
 
@@ -45,14 +45,14 @@ def test_a_smooth_motion_is_followed_by_the_full_matrix(name: str, period: float
 
 
 def test_pulses_give_the_matrix_the_nominal_model_gives() -> None:
-    """Phi(1) from one small pulse train per input is that of the robot, and flies as well."""
+    """Phi(1) from one small pulse train per input is that of the robot, and runs as well."""
     robot = load_robot("mini")
     level = {"roll": 0.05, "pitch": 0.05, "yaw": 0.05, "joint1": 1e-3, "joint2": 1e-3, "joint3": 1e-3, "joint4": 1e-3}
     gains = {"initial": {"source": "pulses", "seconds": 2.0, "level": level}}
     law, q = make_law("mfac", robot, 0.1, gains), home(robot)
     assert isinstance(law, ModelFree)
     exact = np.diag(law.channels.response(NominalModel(robot), q))
-    rows = fly(law, make_reference({"kind": "hold"}, robot, q), robot, q, 0.1, 150)
+    rows = simulate(law, make_reference({"kind": "hold"}, robot, q), robot, q, 0.1, 150)
     telemetry = rows[-1][1]
     np.testing.assert_allclose(telemetry["initial_gain"], exact, rtol=0.05)
     assert rows[10][1]["identifying"][0] == 1.0
@@ -75,7 +75,7 @@ def test_pd_holds_the_same_channels() -> None:
     assert 0.1 < lag < 10.0
 
 
-def test_one_channel_of_many_is_the_one_by_one_case() -> None:
+def test_a_law_of_one_channel_moves_only_that_channel() -> None:
     """A law of one output pushes that channel and nothing else, and Phi is a number."""
     robot = load_robot("servicer")
     q = home(robot)
@@ -111,13 +111,13 @@ def test_the_response_of_a_channel_is_that_of_the_bodies_behind_it() -> None:
         ({"kappa": -1.0}, "kappa"),
     ],
 )
-def test_what_cannot_be_used_is_refused_by_name(gains: dict[str, Any], key: str) -> None:
+def test_unusable_channels_and_numbers_are_refused_with_their_key(gains: dict[str, Any], key: str) -> None:
     """A channel that is not there, not pushed, or named twice, and numbers out of range: one error with the key."""
     with pytest.raises(SpecError, match=key):
         make_law("mfac", load_robot("mini"), 0.1, gains)
 
 
-def test_an_unstable_choice_is_said_before_the_flight() -> None:
+def test_an_unstable_choice_is_warned_of_before_the_run() -> None:
     """The printed rho = 1 on the position output is warned of; the default is not."""
     robot = load_robot("mini")
     path = [make_reference({"kind": "hold"}, robot, home(robot)).at(0)]
@@ -139,8 +139,8 @@ def test_reset_forgets_everything() -> None:
     robot = load_robot("mini")
     reference, q = make_reference(MOTION, robot, home(robot)), home(robot)
     for law in (make_law("mfac", robot, 0.1), make_law("pd", robot, 0.1)):
-        first = [u.tobytes() for _, _, u in fly(law, reference, robot, q, 0.1, 30)]
-        assert [u.tobytes() for _, _, u in fly(law, reference, robot, q, 0.1, 30)] == first
+        first = [u.tobytes() for _, _, u in simulate(law, reference, robot, q, 0.1, 30)]
+        assert [u.tobytes() for _, _, u in simulate(law, reference, robot, q, 0.1, 30)] == first
 
 
 def test_a_moving_reference_is_not_mistaken_for_motion() -> None:

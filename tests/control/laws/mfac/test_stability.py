@@ -11,7 +11,7 @@ from space_robot_control.laws.mfac.stability import spectral_radius, stability_m
 
 
 def peaks(ratio: float, rho: float, delay: int, lead: float | None, periods: int) -> tuple[float, float]:
-    """Largest |[y, T y']| in the first and the last twentieth of a flight of the law, its commands held."""
+    """Largest |[y, T y']| in the first and the last twentieth of a run of the law, its commands held."""
     phi = [2.0, -1.0, 1.0] if lead is None else [1.0, 0.0, lead + 0.5]
     gradient = PseudoGradient(np.array([phi]), 2, 1, sigma=0.0, beta=1.0)
     law = IncrementalController(weights_of(2, 1, rho, 1.0 / ratio, 0.0), 2, 1, np.array([np.inf]))

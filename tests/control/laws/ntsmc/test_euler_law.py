@@ -16,7 +16,7 @@ from space_robot_control.references import make_reference
 from space_robot_control.tracking import tracking_errors
 from space_robot_description import rotations as rot
 from space_robot_msgs_py.interfaces import Reference, RobotState
-from tests.control.laws.test_computed_torque import errors, fly, start
+from tests.control.laws.test_computed_torque import errors, simulate, start
 from tests.support.robots import arm_model, random_state, robot_of
 
 N = 4
@@ -110,7 +110,7 @@ def test_the_commanded_acceleration_is_that_of_the_angles(seed: int) -> None:
 def test_a_moderate_error_converges(angles: str) -> None:
     """Away from the singularity the baseline is a working controller."""
     reference = make_reference({"kind": "hold"}, ROBOT, start())
-    rows = fly(law_of(angles=angles, clamp=True), reference, ROBOT, start((0.5, -0.4, 0.7)), 0.1, 600)
+    rows = simulate(law_of(angles=angles, clamp=True), reference, ROBOT, start((0.5, -0.4, 0.7)), 0.1, 600)
     assert np.abs(errors(rows, "attitude_error")[-1]).max() < 1e-4
     assert np.abs(errors(rows, "position_error")[-1]).max() < 1e-4
 

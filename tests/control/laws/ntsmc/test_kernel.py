@@ -1,4 +1,4 @@
-"""The kernels of tracking errors and terminal sliding mode: the text that flies without a compiler, too."""
+"""The kernels of tracking errors and terminal sliding mode: also as plain Python."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def commands() -> list[float]:
     return found
 
 
-def test_the_laws_fly_without_numba() -> None:
+def test_the_laws_run_without_numba() -> None:
     """The same text uncompiled gives the same commands and telemetry to 1e-12 of the largest, without a warning."""
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", WITHOUT_NUMBA], capture_output=True, text=True, cwd=ROOT

@@ -17,7 +17,7 @@ from space_robot_description import rotations as rot
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState
-from tests.control.laws.test_computed_torque import errors, fly, start
+from tests.control.laws.test_computed_torque import errors, simulate, start
 from tests.support.robots import arm_model, random_state, robot_of
 
 N = 4
@@ -77,7 +77,7 @@ def test_the_derivative_of_the_quaternion_error_holds_for_a_turning_reference(se
 
 @pytest.mark.parametrize("clamp", [False, True])
 @pytest.mark.parametrize("angle_deg", [0.0, 90.0, 180.0, 180.0 + 1e-12, 359.0])
-@pytest.mark.parametrize("robot", [WIDE, FLOATING], ids=["flying", "floating"])
+@pytest.mark.parametrize("robot", [WIDE, FLOATING], ids=["free-flying", "free-floating"])
 def test_the_command_is_finite_at_rest_and_at_half_a_turn(robot: Robot, angle_deg: float, clamp: bool) -> None:
     """0/0 at rest, eta_e = 0 and 180 degrees all have a command; away from the goal it is not zero."""
     q, zero = start(), np.zeros(6 + N)
@@ -93,7 +93,7 @@ def test_free_floating_base_is_controlled_without_force() -> None:
     """Translation has no sliding variable, the force is 0.0 to the bit, and rotation and joints converge."""
     goal = {"kind": "hold", "joints": [0.0, 0.4, -0.2, 0.9]}
     reference = make_reference(goal, FLOATING, start())
-    rows = fly(law_of(FLOATING, clamp=True), reference, FLOATING, start((0.6, -0.5, 0.8)), 0.1, 800)
+    rows = simulate(law_of(FLOATING, clamp=True), reference, FLOATING, start((0.6, -0.5, 0.8)), 0.1, 800)
     assert all(u[:3].tolist() == [0.0, 0.0, 0.0] for _, _, u in rows)
     assert rows[0][1]["sliding_variable"].size == 3 + N
     assert np.abs(errors(rows, "attitude_error")[-1]).max() < 1e-4
@@ -103,11 +103,11 @@ def test_free_floating_base_is_controlled_without_force() -> None:
 def test_the_law_remembers_nothing_across_a_reset() -> None:
     """The same states and references give the same bits after a reset, K_hat and the observer included."""
     law = law_of(WIDE, disturbance_observer=0.5)
-    flights = []
+    outputs = []
     for _ in range(2):
         law.reset()
-        flights.append([law.update(*pair(seed)) for seed in range(5)])
-    for first, second in zip(*flights, strict=True):
+        outputs.append([law.update(*pair(seed)) for seed in range(5)])
+    for first, second in zip(*outputs, strict=True):
         assert first.command.u.tobytes() == second.command.u.tobytes()
         assert first.telemetry.data.tobytes() == second.telemetry.data.tobytes()
 
@@ -129,14 +129,14 @@ def test_the_observer_takes_off_a_roughly_known_load_and_is_off_by_default() -> 
     spec = {"kind": "quintic", "duration": 20.0, "joints_by_deg": 40.0}
     reference, worst = make_reference(spec, nominal, start()), []
     for share in (0.0, 0.5):
-        rows = fly(law_of(nominal, disturbance_observer=share), reference, truth, start(), 0.1, 200)
+        rows = simulate(law_of(nominal, disturbance_observer=share), reference, truth, start(), 0.1, 200)
         assert np.any(errors(rows, "disturbance_estimate")) == (share > 0.0)
         worst.append(np.abs(errors(rows, "joint_error")).max())
     assert worst[1] < 0.5 * worst[0]
 
 
 @pytest.mark.parametrize("saturation", ["per_axis", "direction_preserving"])
-def test_what_is_sent_fits_the_nominal_actuators(saturation: str) -> None:
+def test_saturated_commands_fit_the_nominal_actuators(saturation: str) -> None:
     """From half a turn away the servicer is asked for more than it has; what is sent fits, and telemetry says so."""
     robot = load_robot("servicer")
     q = np.concatenate([np.zeros(3), rot.exp((0.0, 3.0, 0.5)), robot.home])

@@ -65,7 +65,7 @@ def test_an_error_on_the_surface_vanishes_in_the_closed_form_time(gamma: float, 
 
 
 @pytest.mark.parametrize("clamp", [False, True])
-def test_an_error_off_the_surface_reaches_it_and_vanishes(clamp: bool) -> None:
+def test_an_error_off_the_sliding_surface_converges(clamp: bool) -> None:
     """From rest at a distance the error ends within the boundary layer, with and without the clamp."""
     errors, rates = held(sliding(0.02, clamp=clamp), 0.5, 0.0, 0.02, 4000)
     assert abs(errors[-1]) < 1e-6
@@ -112,7 +112,7 @@ def test_the_adapted_gain_is_never_negative_and_never_falls_without_a_leak(
     assert leaking.estimate[0] == 1e-4
 
 
-def test_the_adapted_gain_stands_still_while_saturated_if_told_so() -> None:
+def test_the_adapted_gain_is_frozen_while_saturated_with_the_option() -> None:
     """freeze_on_saturation is the only thing that lets saturation matter to K_hat."""
     for freeze in (False, True):
         mode = sliding(0.1, adaptation={"freeze_on_saturation": freeze})

@@ -1,0 +1,160 @@
+"""The messages of ticks that are not in the log yet: which of several counts, and when a tick has all of them."""
+
+from __future__ import annotations
+
+from space_robot_msgs_py.codec.codecs import LOGGED
+from space_robot_msgs_py.topics import BASE_ODOM, PLANT_TELEMETRY, Topic, topics_of
+
+# Paced, so many ticks later nothing is waited for.
+WINDOW = 50
+# References of a run that begins again are kept for so many ticks before this is heard.
+EARLY = 64
+COMMANDS = frozenset(topics_of("command"))
+SAMPLE = frozenset((*topics_of("state"), *topics_of("plant_telemetry")))
+ANSWERS = frozenset(("command", "controller_telemetry", "controller_event"))
+
+Parts = dict[Topic, bytes]
+
+
+class TickParts:
+    """Collects the messages of each stamp of a run.
+
+    One message that should not be there is not told from the others by its sender, but by its time. Before the plant
+    has reached a stamp, which is when its state and telemetry are complete, the newest message of a topic counts, for a
+    stranger's came before its time; afterwards the first. References are sent ahead, and their first counts.
+
+    Args:
+        period: control period [ns].
+        steps: number of periods of the run.
+
+    Attributes:
+        next: stamp of the tick that is to be written next [ns].
+        reached: stamp of the newest state [ns]; -1: none.
+        expected: topics that a complete tick has.
+        contested: more than one node commands: commands of the graph do not count, but what the simulator accepted.
+    """
+
+    def __init__(self, period: int, steps: int) -> None:
+        self._period, self._last = period, steps * period
+        self.expected = {topic for topic in LOGGED if not topic.sporadic}
+        self.contested = self._again = False
+        self._early: dict[int, Parts] = {}
+        self._pending: dict[int, Parts] = {}
+        # What gives way to the next message of its topic and stamp.
+        self._provisional: set[tuple[Topic, int]] = set()
+        self._restart()
+
+    def _restart(self) -> None:
+        self.next, self.reached, self._doubted = 0, -1, -1
+        # Stamps of ticks without a command, for which the plant holds.
+        self._held: set[int] = set()
+
+    def begin_again(self) -> None:
+        """A new run; of the one before only references are kept, which are functions of time and may be sent early."""
+        kept = {
+            stamp: {topic: data for topic, data in parts.items() if topic.kind == "reference"}
+            for stamp, parts in self._pending.items()
+        }
+        for stamp, parts in self._early.items():
+            kept.setdefault(stamp, {}).update(parts)
+        self._provisional = {(topic, stamp) for stamp, parts in kept.items() for topic in parts}
+        self._pending, self._early, self._again = kept, {}, True
+        self._restart()
+
+    def take(self, topic: Topic, stamp: int, data: bytes) -> str | None:
+        """Take a message.
+
+        Returns:
+            Why it is refused; empty: it is taken, and the next tick may be complete now; None: it is taken.
+        """
+        parts = self._pending.get(stamp)
+        if parts is None:
+            if stamp % self._period or not 0 <= stamp <= self._last:
+                return f"stamp {stamp} ns is not a tick of this run"
+            if stamp < self.next:
+                return self._take_old(topic, stamp, data)
+            parts = self._pending[stamp] = {}
+        elif topic in parts and self._stays(topic, stamp):
+            return None if parts[topic] == data else f"stamp {stamp} ns has another one"
+        parts[topic] = data
+        if stamp > self.reached and topic.kind != "reference":
+            if self._is_early(topic, stamp, parts):
+                self._provisional.add((topic, stamp))
+            # That which comes last is asked for first.
+            if PLANT_TELEMETRY in parts and topic in SAMPLE and parts.keys() >= SAMPLE:
+                self._reach(stamp)
+                return ""
+        return "" if len(parts) >= len(self.expected) or self._held else None
+
+    def hold(self, stamp: int) -> None:
+        """The tick of this stamp [ns] has no command."""
+        self._held.add(stamp)
+
+    def contest(self) -> None:
+        """From now on only commands that the simulator accepted are given to ``take``."""
+        self.contested = True
+        for parts in self._pending.values():
+            for topic in COMMANDS:
+                parts.pop(topic, None)
+
+    def complete(self) -> bool:
+        """Whether the next tick has all it is expected to have."""
+        parts = self._pending.get(self.next)
+        return parts is not None and parts.keys() >= (
+            self.expected - COMMANDS if self.next in self._held else self.expected
+        )
+
+    def over(self) -> bool:
+        """Whether the next tick is so old that nothing more of it comes, in a run that waits for no message."""
+        return self.reached >= self.next + WINDOW * self._period
+
+    def pop(self) -> tuple[int, Parts]:
+        """Stamp [ns] and messages of the next tick, which is then the one after it."""
+        stamp = self.next
+        parts = self._pending.pop(stamp, {})
+        self.next += self._period
+        self._held.discard(stamp)
+        if self._provisional:
+            self._provisional.difference_update((topic, stamp) for topic in parts)
+        return stamp, parts
+
+    def rest(self) -> list[tuple[int, Parts]]:
+        """What there is of ticks that the plant reached and that are not written, in order; the run is over."""
+        stamps = sorted(stamp for stamp in self._pending if self.next <= stamp <= self.reached)
+        self.next = stamps[-1] + self._period if stamps else self.next
+        # Copies: of the references some are for a run that begins again.
+        return [(stamp, dict(self._pending[stamp])) for stamp in stamps]
+
+    def _take_old(self, topic: Topic, stamp: int, data: bytes) -> str | None:
+        if topic in SAMPLE:
+            return f"stamp {stamp} ns is recorded already, and the run was not reset"
+        if topic.kind == "reference" and stamp < EARLY * self._period:
+            self._early.setdefault(stamp, {})[topic] = data
+        return None
+
+    def _is_early(self, topic: Topic, stamp: int, parts: Parts) -> bool:
+        """Whether a message is there before that of the run should be; topics have no order, so it may be that one."""
+        if topic is PLANT_TELEMETRY and BASE_ODOM not in parts:
+            return True
+        return topic not in SAMPLE or stamp > self.reached + self._period
+
+    def _stays(self, topic: Topic, stamp: int) -> bool:
+        """Whether the first of two messages counts; of commands the simulator knows which one does."""
+        if (topic, stamp) in self._provisional:
+            self._provisional.discard((topic, stamp))
+            return False
+        return topic not in COMMANDS and (stamp <= self.reached or topic.kind == "reference")
+
+    def _reach(self, stamp: int) -> None:
+        """The plant is at this state; one that does not follow the newest is believed when the next one follows it."""
+        if self._again:
+            # Answers of the run before that came after its end.
+            self._again = False
+            self._held.clear()
+            for other in [other for other in self._pending if other > stamp]:
+                parts = self._pending[other]
+                self._pending[other] = {topic: data for topic, data in parts.items() if topic.kind not in ANSWERS}
+        if stamp in (0, self.reached + self._period, self._doubted + self._period):
+            self.reached = stamp
+        else:
+            self._doubted = stamp

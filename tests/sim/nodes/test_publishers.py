@@ -1,0 +1,70 @@
+"""Who publishes, from what the graph says: a change is told once, whatever the order of discovery."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+from space_robot_msgs_py.topics import JOINT_COMMAND
+from space_robot_sim.nodes.publishers import MAX_UNNAMED, UNNAMED, Publishers
+
+
+def endpoint(process: int, name: str, number: int = 0) -> Any:
+    """A publisher as the graph shows it."""
+    return SimpleNamespace(node_name=name, node_namespace="/", endpoint_gid=[process] * 12 + [number] * 4)
+
+
+class Graph:
+    """What the graph shows at one time after another."""
+
+    def __init__(self) -> None:
+        self.shown: list[Any] = []
+        node: Any = SimpleNamespace(get_publishers_info_by_topic=lambda name: self.shown)
+        self._publishers = Publishers(node, [JOINT_COMMAND])
+
+    def changes(self, *shown: Any) -> list[list[str]]:
+        self.shown = list(shown)
+        return [nodes for _, nodes in self._publishers.changes()]
+
+
+def test_a_name_that_is_discovered_later_is_no_change() -> None:
+    """The first publisher, its name, its end, its life cycle and its return are no news."""
+    graph = Graph()
+    again = endpoint(1, "controller", 7)
+    for shown in (
+        [],
+        [endpoint(1, UNNAMED)],
+        [endpoint(1, "controller")],
+        [endpoint(1, "controller"), again],
+        [],
+        [again],
+    ):
+        assert graph.changes(*shown) == []
+
+
+def test_a_second_and_another_publisher_are_told_once() -> None:
+    """Two at a time, two in one process, and another process after the first is gone."""
+    graph = Graph()
+    one, two = endpoint(1, "controller"), endpoint(2, "stranger")
+    assert graph.changes(one) == []
+    assert graph.changes(one, two) == [["/controller", "/stranger"]]
+    assert graph.changes(one, two) == []
+    assert graph.changes(two) == []
+    assert graph.changes(endpoint(3, "controller")) == [["/controller"]]
+    assert graph.changes(endpoint(3, "controller"), endpoint(3, "second", 1)) == [["/controller", "/second"]]
+
+
+def test_a_name_is_waited_for_but_not_for_ever() -> None:
+    """A second publisher is told with its name, or without one where it has none."""
+    graph = Graph()
+    one = endpoint(1, "controller")
+    assert graph.changes(one) == []
+    assert graph.changes(one, endpoint(2, UNNAMED)) == []
+    assert graph.changes(one, endpoint(2, "stranger")) == [["/controller", "/stranger"]]
+    other = Graph()
+    told = [other.changes(one, endpoint(2, UNNAMED)) for _ in range(MAX_UNNAMED + 2)]
+    assert [bool(news) for news in told].index(True) == MAX_UNNAMED - 1
+    assert sum(map(bool, told)) == 1
