@@ -27,6 +27,14 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="override one key, e.g. controller.gains.damping=0.7"),
 ]
+FaultOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--fault",
+        metavar="'KIND KEY=VALUE ...'",
+        help="let something go wrong, e.g. 'joint_stuck joint=joint2 at=20'; kinds and keys: list faults",
+    ),
+]
 LawOption = Annotated[
     list[str] | None,
     typer.Option(

@@ -2,22 +2,49 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_description.load import load_robot
-from space_robot_description.share import shipped
-from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_description.share import config_dir, shipped
+from space_robot_description.validation import parse_yaml, validate
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_sim.faults.catalogue import common_keys, groups, keys_of, meaning
 from space_robot_studies.campaign.spec import read_campaign
 from space_robot_studies.reproduce.plan import manifest_path, read_manifest
+from space_robot_supervisor.table import SupervisionTable
 
 
-def catalogue() -> dict[str, dict[str, str]]:
-    """Kind to name to one line."""
-    return {
-        "experiments": {name: _experiment(name) for name in shipped("experiments")},
-        "papers": {name: _paper(name) for name in shipped("papers")},
-        "campaigns": {name: _campaign(name) for name in shipped("campaigns")},
-        "robots": {name: _robot(name) for name in shipped("robots")},
+def catalogue(kind: str = "") -> dict[str, dict[str, str]]:
+    """Kind to name to one line, of one kind or of all.
+
+    Raises:
+        SpecError: there is no such kind.
+    """
+    says = {
+        "experiments": _experiment,
+        "papers": _paper,
+        "campaigns": _campaign,
+        "supervision": _table,
+        "robots": _robot,
     }
+    if kind and kind not in says:
+        raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join((*says, "faults")))
+    return {one: {name: say(name) for name in shipped(one)} for one, say in says.items() if kind in ("", one)}
+
+
+def faults() -> Iterator[str]:
+    """Every kind of fault with its keys, as lines."""
+    for group, kinds in groups().items():
+        yield group
+        for kind in kinds:
+            yield f"  {kind:<22}{meaning(kind)}"
+            for key in keys_of(kind):
+                default = f" (default {key.default})" if key.default else ""
+                yield f"    {key.name:<20}{key.meaning}{default}"
+    yield "all"
+    for key in common_keys():
+        yield f"    {key.name:<20}{key.meaning}"
 
 
 def _experiment(name: str) -> str:
@@ -33,6 +60,10 @@ def _paper(name: str) -> str:
 def _campaign(name: str) -> str:
     spec = read_campaign(name)
     return f"{spec.runs} runs: {spec.title}"
+
+
+def _table(name: str) -> str:
+    return validate(SupervisionTable, parse_yaml(config_dir() / "supervision" / f"{name}.yaml"), name).title
 
 
 def _robot(name: str) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import compose
-from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment
+from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment, with_faults
 from space_robot_bringup.modes.compilation import notice
 from space_robot_description.share import is_file, shipped
 from space_robot_description.spec import Strict
@@ -62,7 +62,11 @@ def schema_of(kind: str) -> dict[str, Any]:
 
 
 def check_file(
-    name_or_path: str, kind: str, overrides: Sequence[str] = (), on_notice: Callable[[str], None] = lambda line: None
+    name_or_path: str,
+    kind: str,
+    overrides: Sequence[str] = (),
+    on_notice: Callable[[str], None] = lambda line: None,
+    faults: Sequence[str] = (),
 ) -> Checked:
     """Check everything that can be checked before a run.
 
@@ -71,16 +75,18 @@ def check_file(
         kind: see ``kind_of``.
         overrides: ``dotted.key=value`` of an experiment.
         on_notice: called with what has to be compiled before the answer.
+        faults: of an experiment, as ``--fault`` takes them.
 
     Raises:
         SpaceRobotError: what is wrong; the message names the key.
     """
     if kind not in KINDS:
         raise SpecError("no such kind", key="--kind", value=kind, accepted=", ".join(KINDS))
-    if overrides and kind != "experiment":
-        raise SpecError("is for experiments", key="--set", value=list(overrides), accepted=f"keys in the {kind}'s file")
+    for option, given in (("--set", overrides), ("--fault", faults)):
+        if given and kind != "experiment":
+            raise SpecError("is for experiments", key=option, value=list(given), accepted=f"keys in the {kind}'s file")
     if kind == "experiment":
-        return _experiment(load_experiment(name_or_path, overrides), on_notice)
+        return _experiment(with_faults(load_experiment(name_or_path, overrides), faults), on_notice)
     return _campaign(load_campaign(name_or_path)) if kind == "campaign" else _paper(load_plan(name_or_path))
 
 
@@ -92,7 +98,9 @@ def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     summary = (
         f"{nominal.name}, {nominal.n} joints, {spec.controller.law}, {spec.steps} periods of {spec.control_period:g} s"
     )
-    return Checked(summary, review.facts, review.warnings)
+    plan = composition.faults
+    faults = () if plan is None else tuple(f"fault {one.label}: {plan.window(one)}" for one in plan.planned)
+    return Checked(summary, review.facts + faults, review.warnings)
 
 
 def _campaign(campaign: Campaign) -> Checked:

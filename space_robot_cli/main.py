@@ -23,6 +23,7 @@ from space_robot_cli.app import (
     BAD_INPUT,
     FAILED,
     AllowCodeOption,
+    FaultOption,
     JsonOption,
     LawOption,
     SetOption,
@@ -46,12 +47,21 @@ INTERRUPTED = 130
 
 
 @app.command("list")
-def list_shipped() -> None:
-    """List the shipped experiments, papers, campaigns and robots."""
-    from space_robot_cli.catalogue import catalogue
+def list_shipped(
+    kind: Annotated[
+        str,
+        typer.Argument(help="experiments, papers, campaigns, supervision, robots or faults; default: what is shipped"),
+    ] = "",
+) -> None:
+    """List the shipped experiments, papers, campaigns, supervision tables and robots, or explain the faults."""
+    from space_robot_cli.catalogue import catalogue, faults
 
-    for kind, rows in catalogue().items():
-        out.print(kind, style="bold")
+    if kind == "faults":
+        for line in faults():
+            out.print(line, markup=False, soft_wrap=True)
+        return
+    for heading, rows in catalogue(kind).items():
+        out.print(heading, style="bold")
         for name, title in rows.items():
             out.print(f"  {name:<34}{title}", markup=False, soft_wrap=True)
 
@@ -60,12 +70,13 @@ def list_shipped() -> None:
 def check(
     file: Annotated[str, typer.Argument(help="experiment, campaign or paper: shipped name or YAML file")],
     set_: SetOption = None,
+    fault: FaultOption = None,
     kind: Annotated[str, typer.Option(help="experiment, campaign or paper; default: what it looks like")] = "",
 ) -> None:
     """Check an experiment, a campaign or a paper's manifest completely without running it."""
     from space_robot_cli.check import check_file, kind_of
 
-    checked = check_file(file, kind or kind_of(file), set_ or (), err.print)
+    checked = check_file(file, kind or kind_of(file), set_ or (), err.print, faults=fault or ())
     out.print(f"{file}: fine. {checked.summary}", markup=False, soft_wrap=True)
     for line in checked.facts:
         out.print(f"  {line}", markup=False, soft_wrap=True)
@@ -101,6 +112,7 @@ def run(
         float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
     ] = None,
     set_: SetOption = None,
+    fault: FaultOption = None,
     duration: Annotated[float | None, typer.Option(help="run this long instead [s]")] = None,
     campaign_directory: Annotated[
         Path | None, typer.Option("--from", metavar="DIR", help="run one case of this campaign, with --index")
@@ -125,7 +137,7 @@ def run(
     mode = mode or ("headless" if campaign_directory is None else "graph")
     if timeout is not None and not 0.0 < timeout < float("inf"):
         raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
-    from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration
+    from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration, with_faults
     from space_robot_bringup.logs.logged import law_policy, with_laws
     from space_robot_bringup.modes.run import check_pace
     from space_robot_cli.render import run as render
@@ -134,7 +146,7 @@ def run(
 
     check_pace(mode, realtime)
     policy = TYPED
-    if campaign_directory is not None and index is not None and not (experiment or set_ or duration):
+    if campaign_directory is not None and index is not None and not (experiment or set_ or fault or duration):
         spec = case_experiment(campaign_directory, index, allow_code=allow_code)
         policy = law_policy(law or (), spec.controller.laws_by_name, allow_code=allow_code)
         spec, name = with_laws(spec, policy), f"{campaign_directory.resolve().name}_{index:06d}"
@@ -142,7 +154,7 @@ def run(
         accepted = "with --from; of your own experiment: --set controller.law=FILE:Class"
         raise SpecError("is for --from", key="--law, --allow-code", accepted=accepted)
     elif experiment is not None and campaign_directory is None and index is None:
-        spec = with_duration(load_experiment(experiment, set_ or ()), duration)
+        spec = with_faults(with_duration(load_experiment(experiment, set_ or ()), duration), fault or ())
         name = experiment_path(experiment).stem
     else:
         raise SpecError("give either EXPERIMENT or --from DIR --index K, not both", key="run")

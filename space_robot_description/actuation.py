@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import RobotSpec
 from space_robot_description.spec import Actuators, IdealTorque, JointMotors, ReactionWheels, Thrusters, expand
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Vector
 
 
 def check_actuators(spec: RobotSpec, joint_names: Sequence[str], urdf_effort: Sequence[float]) -> Actuators:
@@ -93,3 +95,18 @@ def _check_thrusters(thrusters: Thrusters, key: str) -> None:
 def _check_limit(actuator: IdealTorque | Thrusters, key: str) -> None:
     if min(actuator.limit) < 0.0:
         raise SpecError("limit is negative", key=f"{key}.limit", value=actuator.limit, accepted=">= 0 per axis")
+
+
+def command_limit(robot: Robot) -> Vector:
+    """(6+n,) what the actuators can give along each channel [N, N m]; infinite where nothing acts."""
+    limit, actuators = np.full(6 + robot.n, np.inf), robot.actuators
+    if actuators.base_force is not None:
+        limit[:3] = actuators.base_force.limit
+    if isinstance(actuators.base_torque, ReactionWheels):
+        axes = np.array(actuators.base_torque.axes, dtype=np.float64)
+        unit = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+        limit[3:6] = actuators.base_torque.torque * np.abs(unit).sum(axis=0)
+    else:
+        limit[3:6] = actuators.base_torque.limit
+    limit[6:] = robot.effort_limit
+    return limit

@@ -29,6 +29,9 @@ def parameter_rows(model: BaseModel, prefix: str = "", *, dynamic: bool = False)
     plain = model.model_dump(mode="json", by_alias=True)
     for name, info in type(model).model_fields.items():
         key, value = info.alias or name, getattr(model, name)
+        if key not in plain:
+            # The model says nothing of it, as an experiment without faults.
+            continue
         extra = info.json_schema_extra
         may_change = dynamic or (isinstance(extra, dict) and bool(extra.get("dynamic")))
         if isinstance(value, BaseModel):

@@ -25,7 +25,9 @@ _KINDS: dict[Kind, str] = {
     "accepted_command": "a whole command, under its stamp",
     "controller_telemetry": "what the law wants to be seen, under the stamp of its command",
     "controller_event": "what changed during the run how the law answers, from that stamp on",
+    "supervision_event": "what a supervisor found, under the stamp of the state it looked at",
     "plant_telemetry": "truth and conservation, under the stamp of the state",
+    "plant_event": "what happens to the real robot, from that stamp on",
     "description": "text, once per run",
     "event": "of the run as a whole: its begin, its end, how far it may go",
     "tool": "for tools; nothing in the control loop depends on it",
@@ -73,7 +75,7 @@ def topics_markdown() -> str:
 
 
 def _row(topic: Topic) -> tuple[str, ...]:
-    logged = f"`{log_name(topic)}`" if topic.recorded else "no"
+    logged = f"`{log_name(topic)}`{', if in the run' if topic.optional else ''}" if topic.recorded else "no"
     deterministic = "yes" if topic.deterministic else "no"
     kind = f"`{topic.kind}`"
     return f"`{topic.name}`", topic.type, kind, topic.publisher, logged, deterministic, topic.meaning

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,3 +52,33 @@ class ControllerEvent:
             accepted = "an integer stamp [ns] and a kind"
             raise LayoutError("not an event", key="controller/events", value=line[:80], accepted=accepted)
         return cls(stamp, kind, content)
+
+
+# Levels of diagnostic_msgs/DiagnosticStatus.
+OK, WARN, ERROR = 0, 1, 2
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosticEvent:
+    """Something that happens at a stamp, as one diagnostic_msgs/DiagnosticStatus can say it.
+
+    Attributes:
+        stamp: [ns].
+        level: ``OK``, ``WARN`` or ``ERROR``.
+        name: of what happens.
+        message: what happens to it, such as ``begins``.
+        hardware: the part of the robot; empty: the robot.
+        values: (key, value) in order.
+    """
+
+    stamp: int
+    level: int
+    name: str
+    message: str
+    hardware: str = ""
+    values: tuple[tuple[str, str], ...] = ()
+
+
+def said(events: Iterable[DiagnosticEvent]) -> str:
+    """Events as one line; equal events give equal lines."""
+    return "; ".join(f"{one.name} {one.message} {dict(one.values)}" for one in events)

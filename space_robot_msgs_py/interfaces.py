@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_msgs_py.errors import LayoutError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.vectors import Vector as Vector
 from space_robot_msgs_py.vectors import vector
 
@@ -183,19 +183,36 @@ def _flat(block: Any) -> Vector | tuple[float]:
 
 @dataclass(frozen=True, slots=True)
 class ControlOutput:
-    """A command, what the law wants to be seen of how it came about, and what has changed since the command before."""
+    """What a controller answers to a state.
+
+    Attributes:
+        command: to the plant.
+        telemetry: what the law wants to be seen of how it came about.
+        events: what has changed since the command before.
+        supervision: what a supervisor found at this tick, and changes of mode.
+    """
 
     command: Command
     telemetry: Telemetry
     events: tuple[ControllerEvent, ...] = ()
+    supervision: tuple[DiagnosticEvent, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class PlantSample:
-    """What the plant shows at one stamp: the measured state, and telemetry that holds the truth."""
+    """What the plant shows at one stamp.
+
+    Attributes:
+        state: what is measured.
+        telemetry: the truth.
+        faults: what begins and ends to be wrong with the robot at this stamp; the truth, too.
+        events: what the plant did not take of the command that answers the state before, or not as it was.
+    """
 
     state: RobotState
     telemetry: Telemetry
+    faults: tuple[DiagnosticEvent, ...] = ()
+    events: tuple[DiagnosticEvent, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,9 @@ Kind = Literal[
     "accepted_command",
     "controller_telemetry",
     "controller_event",
+    "supervision_event",
     "plant_telemetry",
+    "plant_event",
     "description",
     "event",
     "tool",
@@ -34,6 +36,7 @@ class Topic:
         recorded: it is written to the log.
         deterministic: equal runs give equal bytes.
         derived: in the log it follows from other messages of its stamp; it is derived when the log is written.
+        optional: it is there only in runs that ask for it: a run without it has no channel in its log.
         meaning: for people.
     """
 
@@ -47,6 +50,7 @@ class Topic:
     recorded: bool = True
     deterministic: bool = True
     derived: bool = False
+    optional: bool = False
 
 
 # The order of rows is the order of messages of one stamp in the log.
@@ -109,6 +113,16 @@ CONTROLLER_EVENTS = Topic(
     "kind, content; sent before that command",
     sporadic=True,
 )
+EVENTS = Topic(
+    "events",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "supervision_event",
+    "controller",
+    "what a supervisor found at the stamp: monitors that fire and clear, with value and severity, and changes of mode; "
+    "sent before the command",
+    sporadic=True,
+    optional=True,
+)
 WRENCH_COMMAND = Topic(
     "base/wrench_command",
     "geometry_msgs/msg/WrenchStamped",
@@ -129,6 +143,27 @@ CONTROLLER_TELEMETRY = Topic(
     "controller_telemetry",
     "controller",
     "labelled blocks in layout.dim; block `stamp` holds [ns], the rest is the law's own",
+)
+# Before the telemetry, which every tick ends with: a tick that is there to its end is there as a whole.
+FAULTS = Topic(
+    "faults",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "plant_event",
+    "simulator",
+    "what begins (level ERROR) and ends (OK) to be wrong with the real robot at the stamp, as the experiment plans it: "
+    "the truth, not for the flight software; sent before the state",
+    sporadic=True,
+    optional=True,
+)
+PLANT_EVENTS = Topic(
+    "plant/events",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "plant_event",
+    "simulator",
+    "commands that were missing, refused or clipped in the period that ended at the stamp (`plant.monitor`), with "
+    "channel, value and count; sent before the state",
+    sporadic=True,
+    optional=True,
 )
 PLANT_TELEMETRY = Topic(
     "plant/telemetry",
@@ -219,9 +254,12 @@ TABLE: tuple[Topic, ...] = (
     REFERENCE_BASE_ACCEL,
     REFERENCE_JOINTS,
     CONTROLLER_EVENTS,
+    EVENTS,
     WRENCH_COMMAND,
     JOINT_COMMAND,
     CONTROLLER_TELEMETRY,
+    FAULTS,
+    PLANT_EVENTS,
     PLANT_TELEMETRY,
     TF,
     TF_STATIC,

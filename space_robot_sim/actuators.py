@@ -21,20 +21,22 @@ def capability(robot: Robot, period: int) -> Capability:
     limit = np.full(6 + robot.n, np.inf)
     limit[6:] = robot.effort_limit
     acts, pulsed, minimum = np.zeros(6, dtype=np.int64), np.zeros(6, dtype=np.int64), np.zeros(6)
-    axes, wheel_limit = np.zeros((3, 0)), np.zeros(2)
+    axes, wheel_limit = np.zeros((3, 0)), np.zeros((0, 2))
     for part, key, actuator in (
         (slice(0, 3), "actuators.base_force", robot.actuators.base_force),
         (slice(3, 6), "actuators.base_torque", robot.actuators.base_torque),
     ):
         if isinstance(actuator, ReactionWheels):
-            axes, wheel_limit = _unit_axes(actuator), np.array([actuator.torque, actuator.momentum])
+            axes = _unit_axes(actuator)
+            wheel_limit = np.tile([actuator.torque, actuator.momentum], (axes.shape[1], 1))
         elif actuator is not None:
             limit[part], acts[part] = actuator.limit, 1
         if isinstance(actuator, Thrusters):
             pulsed[part], minimum[part] = int(actuator.pwm), _minimum_pulse(actuator, period, key)
     share = np.ascontiguousarray(np.linalg.pinv(axes)) if axes.size else np.zeros((0, 3))
     preserve = int(robot.actuators.saturation == "direction_preserving")
-    return Capability(limit, acts, pulsed, minimum, axes, share, wheel_limit, preserve)
+    undisturbed = 0, np.zeros(axes.shape[1]), np.zeros(6)
+    return Capability(limit, acts, pulsed, minimum, axes, share, wheel_limit, preserve, *undisturbed)
 
 
 def motor_numbers(robot: Robot) -> Vector:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import Command, Vector
+from space_robot_sim.spec import Hold, HoldFor
 
 NO_COMMAND = -1
 
@@ -30,20 +32,22 @@ class CommandHold:
     Args:
         joints: number of joints.
         delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
-        hold: what acts in place of a missing command: nothing, or the last one.
+        hold: what acts in place of a missing command: nothing, the last one, or the last one for some periods.
 
     Attributes:
         held: the last command that came.
     """
 
-    def __init__(self, joints: int, *, delay_periods: Literal[0, 1], hold: Literal["zero", "last"]) -> None:
-        self._joints, self._delay, self._hold_last = joints, delay_periods, hold == "last"
+    def __init__(self, joints: int, *, delay_periods: Literal[0, 1], hold: Hold) -> None:
+        self._joints, self._delay = joints, delay_periods
+        self._patience: float = hold.last_for if isinstance(hold, HoldFor) else inf if hold == "last" else 0
         self._nothing = Acting(np.zeros(6 + joints), NO_COMMAND)
         self.reset()
 
     def reset(self) -> Acting:
         """Forget all commands; what acts now is nothing."""
         self.held = self._waiting = self._nothing
+        self._missing = 0
         return self._nothing
 
     def take(self, command: Command | None) -> Acting:
@@ -59,9 +63,11 @@ class CommandHold:
 
     def _accept(self, command: Command | None) -> Acting:
         if command is None:
-            return self.held if self._hold_last else self._nothing
+            self._missing += 1
+            return self.held if self._missing <= self._patience else self._nothing
         if command.effort.size != self._joints:
             key, size = "command.effort", command.effort.size
             raise CommandError("wrong size", key=key, value=size, accepted=f"{self._joints}")
+        self._missing = 0
         self.held = Acting(command.u, command.stamp)
         return self.held

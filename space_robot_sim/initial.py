@@ -9,6 +9,7 @@ import numpy as np
 
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.vectors import Vector, vector
+from space_robot_sim.spec import Hold, MonitorSpec
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -42,11 +43,13 @@ class RunConditions:
         initial: where the run starts.
         seed: of everything random in the plant.
         delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
-        hold: what acts in place of a missing command: nothing, or the last one.
+        hold: what acts in place of a missing command: nothing, the last one, or the last one for some periods.
+        monitor: what is checked of commands; None: nothing.
     """
 
     control_period: int
     initial: InitialState
     seed: int = 0
     delay_periods: Literal[0, 1] = 0
-    hold: Literal["zero", "last"] = "zero"
+    hold: Hold = "zero"
+    monitor: MonitorSpec | None = None

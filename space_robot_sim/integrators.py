@@ -28,18 +28,19 @@ def compiled(spec: IntegratorSpec) -> bool:
     return jit.COMPILED and spec.kernel != "pinocchio"
 
 
-def stepping(spec: IntegratorSpec, robot: RobotArrays, period: int) -> Stepping:
+def stepping(spec: IntegratorSpec, robot: RobotArrays, period: int, *, rough: bool = False) -> Stepping:
     """What the kernel is given.
 
     Args:
         spec: what the file says.
         robot: its motors decide what ``auto`` means.
         period: control period [ns].
+        rough: its joints get friction in the course of the run.
 
     Raises:
         SpecError: the period is not a whole number of nanoseconds per fixed step, or holds too many of them.
     """
-    kind = method(spec, rough=bool(robot.motors[:, [LAG, VISCOUS, COULOMB]].any()))
+    kind = method(spec, rough=rough or bool(robot.motors[:, [LAG, VISCOUS, COULOMB]].any()))
     step = period / NANOSECONDS
     if kind != "dop853_adaptive":
         step /= fixed_steps(spec, kind, period)

@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import RobotArrays
+from space_robot_sim.kernel.arrays import LOCKED, RobotArrays
 from space_robot_sim.kernel.rhs import (
     BEGIN,
     COULOMB,
@@ -47,6 +47,11 @@ class PinocchioIntegrator:
     """
 
     def __init__(self, model: Any, robot: RobotArrays) -> None:
+        held = robot.tree[1:, LOCKED] > 0
+        if held.any():
+            # A rotor that nothing can turn: a joint that stands still, exactly.
+            model = model.copy()
+            model.armature[6:] = np.where(held, np.inf, 0.0)
         self._model, self._data = model, model.createData()
         self._lag, self._viscous = robot.motors[:, LAG], robot.motors[:, VISCOUS]
         self._coulomb, self._coulomb_velocity = robot.motors[:, COULOMB], robot.motors[:, COULOMB_VELOCITY]

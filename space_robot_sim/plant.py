@@ -6,23 +6,31 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
+from space_robot_description.actuation import command_limit
 from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.command_hold import Acting, CommandHold
+from space_robot_sim.command_monitor import CommandMonitor
+from space_robot_sim.faults.actuation import ActuationStage, brake
+from space_robot_sim.faults.joints import JointFriction
+from space_robot_sim.faults.plan import FaultPlan
+from space_robot_sim.faults.sensing import SensorStage
+from space_robot_sim.faults.wires import CommandWire
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
-from space_robot_sim.kernel.arrays import robot_arrays
+from space_robot_sim.kernel.arrays import LOCKED, RobotArrays, robot_arrays
 from space_robot_sim.kernel.period import Flight, flight, fly, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
 from space_robot_sim.sensors import Sensors
-from space_robot_sim.spec import IntegratorSpec, SensorSpec
+from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
 
 
@@ -37,9 +45,11 @@ class SimulatedRobot:
         sensors: what is seen of it.
         seed: of the sensors' noise.
         delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
-        hold: what acts in place of a missing command: nothing, or the last one.
+        hold: what acts in place of a missing command: nothing, the last one, or the last one for some periods.
         changes: (stamp [ns], robot from then on) in order: the same joints and actuators, other inertias. The motion
             goes on as it is, and the conservation baseline is reset.
+        faults: what goes wrong with its actuators and sensors, and the events that say so.
+        monitor: what is checked of commands before they act; None: nothing.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -55,8 +65,10 @@ class SimulatedRobot:
         sensors: SensorSpec | None = None,
         seed: int = 0,
         delay_periods: Literal[0, 1] = 0,
-        hold: Literal["zero", "last"] = "zero",
+        hold: Hold = "zero",
         changes: Sequence[tuple[int, Robot]] = (),
+        faults: FaultPlan | None = None,
+        monitor: MonitorSpec | None = None,
     ) -> None:
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
@@ -65,11 +77,16 @@ class SimulatedRobot:
         spec = integrator or IntegratorSpec()
         self._initial = initial
         self._hold = CommandHold(robot.n, delay_periods=delay_periods, hold=hold)
+        self._monitor = CommandMonitor(monitor, command_limit(robot), robot.joint_names)
         self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
         self._robots = {0: robot, **dict(changes)}
-        self._arrays = robot_arrays(robot.model, motor_numbers(robot))
+        self._healthy = self._arrays = robot_arrays(robot.model, motor_numbers(robot))
         self._able = capability(robot, control_period)
-        self._how = stepping(spec, self._arrays, control_period)
+        self._plan = faults or FaultPlan((), control_period, 0)
+        self._actuation = ActuationStage(self._plan, robot.joint_names, self._able, self._seconds)
+        self._wire = CommandWire(self._plan)
+        self._sensing = SensorStage(self._plan, sensors or SensorSpec())
+        self._how = stepping(spec, self._arrays, control_period, rough=bool(self._plan.of(JointFriction)))
         self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
@@ -89,7 +106,11 @@ class SimulatedRobot:
         self._flight.wheels[:] = self._wheels
         self._stamp = 0
         nothing = self._hold.reset()
+        self._monitor.reset()
         self._sensors.reset()
+        self._able = self._actuation.reset()
+        self._wire.reset()
+        self._sensing.reset()
         self._switch_model(self._robots[0])
         return self._show(nothing)
 
@@ -102,8 +123,10 @@ class SimulatedRobot:
         """
         if self._stamp and self._stamp in self._robots:
             self._switch_model(self._robots[self._stamp])
-        acting = self._hold.take(command)
-        status = self._advance(acting.u)
+        if self._wire.faulty:
+            command = self._wire.carry(self._stamp // self._period, command)
+        acting = self._hold.take(self._monitor.check(command))
+        status = self._advance(self._with_faults(acting.u) if self._plan.planned else acting.u)
         self._stamp += self._period
         if status != DONE:
             raise self._failure(status)
@@ -111,10 +134,33 @@ class SimulatedRobot:
 
     def _switch_model(self, robot: Robot) -> None:
         """Switch to this robot from here on, with a new conservation baseline."""
-        self._arrays = robot_arrays(robot.model, motor_numbers(robot))
-        self._fallback = None if self._compiled else PinocchioIntegrator(robot.model, self._arrays)
+        self._model = robot.model
+        self._healthy = robot_arrays(robot.model, motor_numbers(robot))
+        self._use(self._healthy)
         self._flight.y[13 + 2 * self._n :] = 0.0
         self._advance(self._hold.held.u, start=True)
+
+    def _use(self, arrays: RobotArrays) -> None:
+        """Integrate this robot from here on."""
+        self._arrays = arrays
+        self._fallback = None if self._compiled else PinocchioIntegrator(self._model, arrays)
+
+    def _with_faults(self, command: Vector) -> Vector:
+        """What the faults of this tick leave of a command; they also change actuators, motors and brakes."""
+        acts = self._actuation.at(self._stamp // self._period, command, self._flight.wheels, self._healthy)
+        self._able = acts.able
+        if acts.arrays is not self._arrays:
+            held = acts.arrays.tree[1:, LOCKED]
+            if np.any(held > self._arrays.tree[1:, LOCKED]):
+                self._stop_joints(held)
+            self._use(acts.arrays)
+        return acts.command
+
+    def _stop_joints(self, held: npt.NDArray[np.int64]) -> None:
+        """Brakes take the speed out of joints; their work counts as that of everything applied."""
+        y, n = self._flight.y, self._n
+        y[7 + n : 13 + 2 * n], work = brake(self._model, y[: 7 + n], y[7 + n : 13 + 2 * n].copy(), held)
+        y[13 + 2 * n] += work
 
     def _advance(self, acting: Vector, *, start: bool = False) -> int:
         """One period under a command, or with ``start`` only the balance of the initial state; returns a status."""
@@ -135,7 +181,12 @@ class SimulatedRobot:
         plant, n = self._flight, self._n
         y, gauges = plant.y, plant.gauges
         truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:])
-        return PlantSample(self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant))
+        state, telemetry = self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant)
+        found = self._monitor.events(self._stamp)
+        if not self._plan.planned:
+            return PlantSample(state, telemetry, events=found)
+        tick = self._stamp // self._period
+        return PlantSample(self._sensing.read(tick, state), telemetry, self._plan.events(tick), found)
 
     def _failure(self, status: int) -> IntegrationError:
         when = f"between {(self._stamp - self._period) / NANOSECONDS:g} s and {self._stamp / NANOSECONDS:g} s"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat
+from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat, PositiveInt
 
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import SpecError
@@ -83,6 +83,33 @@ class ChannelSpec(Strict):
     def ideal(self) -> bool:
         """True if the truth passes unchanged."""
         return not (np.any(self.noise) or np.any(self.bias) or np.any(self.quantisation) or self.delay)
+
+
+class HoldFor(Strict):
+    """What acts when no usable command is there: the last one for some periods, then nothing."""
+
+    last_for: PositiveInt = Field(description="control periods without a usable command in which the last one acts")
+
+
+Hold = Literal["last", "zero"] | HoldFor
+
+
+class CommandCheck(Strict):
+    """One check of commands and what is done with what does not pass."""
+
+    factor: PositiveFloat = Field(description="over the limit of each actuator [-]")
+    response: Literal["refuse", "clip"] = Field(
+        default="refuse", description="refuse: the hold acts; clip: as much of it as passes, channel by channel"
+    )
+
+
+class MonitorSpec(Strict):
+    """What the plant checks of commands that fit the robot; what it finds is published on `plant/events`."""
+
+    limit: CommandCheck | None = Field(default=None, description="size of a command")
+    rate: CommandCheck | None = Field(
+        default=None, description="change since the command that was taken last, per control period since then"
+    )
 
 
 class SensorSpec(Strict):

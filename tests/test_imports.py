@@ -12,16 +12,18 @@ import pytest
 from tests.support.paths import ROOT
 
 FACE = "space_robot"
-MSGS, DESCRIPTION, CONTROL, SIM, BRINGUP, STUDIES, REPORT, CLI = (
-    f"{FACE}_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup", "studies", "report", "cli")
+MSGS, DESCRIPTION, CONTROL, SIM, SUPERVISOR, BRINGUP, STUDIES, REPORT, CLI = (
+    f"{FACE}_{name}"
+    for name in ("msgs_py", "description", "control", "sim", "supervisor", "bringup", "studies", "report", "cli")
 )
 BASE = {MSGS, DESCRIPTION}
-DOING = BASE | {CONTROL, SIM}
+DOING = BASE | {CONTROL, SIM, SUPERVISOR}
 MAY_IMPORT = {
     MSGS: {MSGS},
     DESCRIPTION: BASE,
     CONTROL: BASE | {CONTROL},
     SIM: BASE | {SIM},
+    SUPERVISOR: BASE | {SUPERVISOR},
     BRINGUP: DOING | {BRINGUP},
     STUDIES: DOING | {BRINGUP, STUDIES},
     REPORT: DOING | {BRINGUP, STUDIES, REPORT},

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
 from space_robot_bringup.compose.plants import PLANTS, PlantParts
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
-from space_robot_bringup.experiment.plant import ModelSpec
+from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
 from space_robot_bringup.judge.metrics import axis_names, metric_names
 from space_robot_bringup.judge.verdict import check_bands, check_expectations
 from space_robot_control.laws.policy import TYPED, LawPolicy
@@ -30,6 +31,9 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
+from space_robot_msgs_py.topics import EVENTS, FAULTS, PLANT_EVENTS, Topic
+from space_robot_sim.faults.plan import FaultPlan
+from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
 
 if TYPE_CHECKING:
@@ -50,6 +54,7 @@ class Composition:
         nominal: the robot the flight software believes in.
         truth: the true robot, as it starts.
         changes: (stamp [ns], true robot from then on), in order.
+        faults: what goes wrong; None: nothing.
         policy: whose code may be its laws.
     """
 
@@ -57,6 +62,7 @@ class Composition:
     nominal: Robot
     truth: Robot
     changes: tuple[tuple[int, Robot], ...]
+    faults: FaultPlan | None
     policy: LawPolicy
     _reference: ReferenceSource
     _seeds: tuple[np.random.SeedSequence, ...]
@@ -67,6 +73,17 @@ class Composition:
     def joint_names(self) -> tuple[str, ...]:
         """Joint names in model order."""
         return self.nominal.joint_names
+
+    @property
+    def optional_topics(self) -> tuple[Topic, ...]:
+        """The topics that only some runs have and this one does."""
+        told = {EVENTS: self.experiment.supervision, FAULTS: self.faults, PLANT_EVENTS: self.experiment.plant.monitor}
+        return tuple(topic for topic, asked in told.items() if asked is not None)
+
+    @property
+    def loses_commands(self) -> bool:
+        """Faults keep commands from the plant: what acted does not tell what was sent."""
+        return self.faults is not None and CommandWire(self.faults).faulty
 
     @property
     def header(self) -> LogHeader:
@@ -85,13 +102,15 @@ class Composition:
         from space_robot_bringup.compose.controllers import law_sources
 
         laws = law_sources(self.experiment.controller, self.policy)
-        return LogHeader(text, robot.urdf, self.experiment.seed, robot.joint_names, versions(), laws)
+        topics = tuple(topic.name for topic in self.optional_topics)
+        return LogHeader(text, robot.urdf, self.experiment.seed, robot.joint_names, versions(), laws, topics)
 
     def plant(self) -> Plant:
         """A new plant in its initial state."""
         seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
         initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
-        return PLANTS[spec.kind].make(spec, PlantParts(self.truth, self.experiment.period, initial, seed, self.changes))
+        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults)
+        return PLANTS[spec.kind].make(spec, parts)
 
     def controller(self) -> Law:
         """A new controller; it gets the nominal robot and nothing else.
@@ -103,7 +122,16 @@ class Composition:
         from space_robot_bringup.compose.controllers import make_controller
 
         experiment = self.experiment
-        return make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
+        law: Law
+        if experiment.supervision is not None:
+            from space_robot_bringup.compose.supervision import supervised
+
+            law = supervised(experiment, self.nominal, self.policy)
+        else:
+            law = make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
+        if self.faults is not None:
+            law.inbox = ControllerInbox(self.faults)
+        return law
 
     def reference(self) -> ReferenceSource:
         """The reference source: a function of time, which all who ask share."""
@@ -143,7 +171,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
         SpaceRobotError: a part refuses its input; the message names the key.
     """
     # Fixed positions: adding randomness to one part never changes another's draws.
-    seeds = tuple(np.random.SeedSequence(experiment.seed).spawn(4))
+    seeds = tuple(np.random.SeedSequence(experiment.seed).spawn(5))
     disorder = experiment.plant.dispersion
     if disorder is not None and disorder.inconsistent == "keep":
         raise SpecError(
@@ -152,16 +180,24 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
             value="keep",
             accepted="reject",
         )
+    if experiment.supervision is not None:
+        # It knows the laws, which load a compiler.
+        from space_robot_bringup.compose.supervision import check_supervision
+
+        check_supervision(experiment)
     robot = load_robot(experiment.robot)
-    nominal = _variant(robot, _nominal_spec(experiment), seeds[0], "nominal")
+    nominal = _variant(robot, _nominal_spec(experiment), seeds[0])
     nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
-    truth = _variant(robot, experiment.plant, seeds[1], "plant")
+    truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)
+    plan = fault_plan(experiment, truth, seeds[4])
+    if plan is not None and isinstance(spec, PlantSpec):
+        changes = robots_with_faults(plan, _variant(robot, _unladen(spec), seeds[1]), spec)
     reference = make_reference(experiment.reference, nominal, q0)
-    composition = Composition(experiment, nominal, truth, changes, policy, reference, seeds, q0, v0)
+    composition = Composition(experiment, nominal, truth, changes, plan, policy, reference, seeds, q0, v0)
     free_flying = nominal.base_mode == "free_flying"
     check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=free_flying))
     check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=free_flying))
@@ -214,7 +250,11 @@ def _nominal_spec(experiment: Experiment) -> ModelSpec:
     return nominal.model_copy(update={"payload": payload})
 
 
-def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence, key: str) -> Robot:
+def _unladen(spec: ModelSpec) -> ModelSpec:
+    return spec.model_copy(update={"payload": None})
+
+
+def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence) -> Robot:
     if spec.dispersion is not None:
         robot = disperse(robot, spec.dispersion, np.random.default_rng(seed))
     if spec.payload is not None:

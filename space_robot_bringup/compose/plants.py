@@ -14,6 +14,7 @@ from space_robot_description.payload import attach_payload
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
+from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.grasp.airbearing import AirbearingTestbed
 from space_robot_sim.grasp.captured import CapturedDebris, capability
 from space_robot_sim.grasp.plant import grasp_joints, whole_steps
@@ -34,6 +35,7 @@ class PlantParts:
         initial: where it starts.
         seed: of everything random in the plant.
         changes: (stamp [ns], true robot from then on), in order.
+        faults: what goes wrong; None: nothing.
     """
 
     truth: Robot
@@ -41,6 +43,7 @@ class PlantParts:
     initial: InitialState
     seed: int
     changes: Changes
+    faults: FaultPlan | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,15 +75,21 @@ def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
         delay_periods=spec.delay_periods,
         hold=spec.hold,
         changes=parts.changes,
+        faults=parts.faults,
+        monitor=spec.monitor,
     )
 
 
 def _captures(spec: PlantSpec, truth: Robot, control_period: float) -> Changes:
     if spec.capture is None:
         return ()
-    steps = steps_of(spec.capture.time, control_period, "plant.capture.time")
     period = to_nanoseconds(control_period, "control_period")
-    return ((steps * period, attach_payload(truth, spec.capture.payload)),)
+    return ((capture_tick(spec, control_period) * period, attach_payload(truth, spec.capture.payload)),)
+
+
+def capture_tick(spec: PlantSpec, control_period: float) -> int:
+    """The tick from which a payload is held that is taken in a run; -1: none is."""
+    return -1 if spec.capture is None else steps_of(spec.capture.time, control_period, "plant.capture.time")
 
 
 def _check_articulated(spec: PlantSpec, truth: Robot, period: int) -> None:
@@ -101,7 +110,7 @@ def _pccs(spec: CapturedPlant, parts: PlantParts) -> Plant:
 
 
 def _conditions(spec: PlantTiming, parts: PlantParts) -> RunConditions:
-    return RunConditions(parts.period, parts.initial, parts.seed, spec.delay_periods, spec.hold)
+    return RunConditions(parts.period, parts.initial, parts.seed, spec.delay_periods, spec.hold, spec.monitor)
 
 
 def _no_changes(spec: PlantTiming, truth: Robot, control_period: float) -> Changes:

@@ -35,6 +35,8 @@ from space_robot_description.spec import PerJoint, Strict, Three, Title
 from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.paths import StrPath
+from space_robot_sim.faults.catalogue import AnyFault, parse_fault
+from space_robot_supervisor.table import SupervisionTable
 
 # Dotted key to value, or texts ``dotted.key=value`` with the value in YAML.
 Overrides = Mapping[str, Any] | Sequence[str]
@@ -116,10 +118,19 @@ class Experiment(Strict):
     controller: ControllerSpec = Field(default_factory=ControllerSpec)
     plant: AnyPlant = Field(default_factory=PlantSpec)
     nominal: NominalSpec = Field(default_factory=NominalSpec, description="what the flight software believes")
+    faults: tuple[AnyFault, ...] = Field(default=(), description="what goes wrong in the real robot, and when")
+    supervision: SupervisionTable | None = Field(
+        default=None, description="modes and monitors; in a file also the name of a shipped table, or a path"
+    )
     settling_bands: dict[str, PositiveFloat] = Field(
         default_factory=dict, description="axis -> half width [deg or m] in place of 2 % of its travel"
     )
     expect: dict[str, Expectation] = Field(default_factory=dict, description="metric name -> bound; the verdict")
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # The log of a run without faults and supervision is, to the byte, what it was before there were any.
+        return {key: value for key, value in handler(self).items() if key not in ("faults", "supervision") or value}
 
     @property
     def period(self) -> int:
@@ -213,12 +224,21 @@ def _assignment(override: str) -> tuple[str, Any, str]:
 def located(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """The mapping with what stands beside its file found: the robot file's path, the numbers of a recorded log."""
     found = dict(data)
-    robot, reference = found.get("robot"), found.get("reference")
+    robot, reference, table = found.get("robot"), found.get("reference"), found.get("supervision")
     if isinstance(robot, str) and is_file(folder / robot):
         found["robot"] = str(folder / robot)
     if isinstance(reference, dict):
         found["reference"] = with_recorded_log(reference, folder)
+    if isinstance(table, str):
+        beside = folder / table
+        found["supervision"] = parse_yaml(beside if is_file(beside) else _table_path(table))
     return found
+
+
+def _table_path(name_or_path: str) -> Path:
+    """The file of a shipped supervision table, or the given path."""
+    message = "no such supervision table, shipped or as a file"
+    return shipped_or_file(name_or_path, "supervision", key="supervision", message=message)
 
 
 def experiment_from(data: Mapping[str, Any], where: str) -> Experiment:
@@ -296,6 +316,18 @@ def with_changes(experiment: Experiment, overrides: Overrides) -> Experiment:
     if not overrides:
         return experiment
     return experiment_from(with_overrides(experiment.model_dump(mode="json"), overrides), "")
+
+
+def with_faults(experiment: Experiment, typed: Sequence[str]) -> Experiment:
+    """The experiment with more faults, each as ``--fault`` takes it: ``joint_stuck joint=joint2 at=20``.
+
+    Raises:
+        SpecError: one is no fault.
+    """
+    if not typed:
+        return experiment
+    data = experiment.model_dump(mode="json")
+    return experiment_from(data | {"faults": [*data.get("faults", ()), *map(parse_fault, typed)]}, "")
 
 
 def with_duration(experiment: Experiment, duration: float | None) -> Experiment:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, PositiveFloat, Tag
+from pydantic import Discriminator, Field, PositiveFloat, SerializerFunctionWrapHandler, Tag, model_serializer
 
 from space_robot_description.dispersion import Dispersion
 from space_robot_description.payload import Payload
 from space_robot_description.spec import Strict
 from space_robot_sim.grasp.spec import AirbearingSpec, CapturedSpec
-from space_robot_sim.spec import IntegratorSpec, SensorSpec
+from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
 
 
 class ModelSpec(Strict):
@@ -27,7 +27,13 @@ class PlantTiming(ModelSpec):
     delay_periods: Literal[0, 1] = Field(
         default=0, description="a command acts in the period of its state, or the next"
     )
-    hold: Literal["last", "zero"] = Field(default="last", description="what acts when no usable command is there")
+    hold: Hold = Field(default="last", description="what acts when no usable command is there")
+    monitor: MonitorSpec | None = Field(default=None, description="what is checked of commands before they act")
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # The log of a run without a monitor is, to the byte, what it was before there was one.
+        return {key: value for key, value in handler(self).items() if key != "monitor" or value is not None}
 
 
 class Capture(Strict):

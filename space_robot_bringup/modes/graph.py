@@ -66,15 +66,18 @@ def make_node(
     if role in MANAGED:
         options["steered"] = mode != "graph"
     timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
+    optional = {"optional": composition.optional_topics}
     if role == "recorder":
         # Paced, the clock goes on and waits for no log.
         ahead = AHEAD_IN_ONE_PROCESS if mode == "graph" or realtime is not None else AHEAD_BESIDE
-        timing |= {"lossless": realtime is None, "ahead": ahead}
+        timing |= {"lossless": realtime is None, "ahead": ahead} | optional
         return RecorderNode(_writers(composition, directory, mode), names, **timing, **options)
     if role == "guidance":
         return GuidanceNode(composition.reference(), names, **timing, **options)
     if role == "controller":
-        return ControllerNode(composition.controller, names, **options)
+        supervised = composition.experiment.supervision is not None
+        return ControllerNode(composition.controller, names, supervised=supervised, **options)
+    timing |= optional
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )

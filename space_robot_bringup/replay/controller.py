@@ -9,11 +9,11 @@ from space_robot_bringup.replay.controller_events import apply_event
 from space_robot_bringup.replay.recording import Recording, other_code
 from space_robot_bringup.replay.result import Outcome
 from space_robot_bringup.replay.side import SideReplay
-from space_robot_msgs_py.codec.codecs import decode_events
+from space_robot_msgs_py.codec.codecs import decode_events, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
+from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent, DiagnosticEvent, said
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
-from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, topics_of
+from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, EVENTS, topics_of
 
 FAILED = "controller: "
 _ANSWERS = (*topics_of("command"), CONTROLLER_TELEMETRY)
@@ -89,7 +89,16 @@ class _ControllerReplay(SideReplay):
         fresh = "; ".join(event.line for event in output.events)
         recorded = "; ".join(event.line for event in self._events(parts))
         self._comparison.event(CONTROLLER_EVENTS.name, stamp, "events", recorded, fresh)
+        self._comparison.event(EVENTS.name, stamp, "events", said(self._found(parts)), said(output.supervision))
         return ""
+
+    def _found(self, parts: Mapping[str, bytes]) -> tuple[DiagnosticEvent, ...]:
+        raw = parts.get(EVENTS.name)
+        try:
+            return () if raw is None else decode_statuses(raw)
+        except SpaceRobotError as error:
+            self._notes[f"recorded events cannot be read ({error})"] += 1
+            return ()
 
     def _apply_events(self, parts: Mapping[str, bytes]) -> None:
         """Apply the recorded events to the fresh law; it reports them itself."""

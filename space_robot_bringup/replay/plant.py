@@ -9,11 +9,12 @@ from space_robot_bringup.replay.comparison import Tolerance
 from space_robot_bringup.replay.recording import Recording
 from space_robot_bringup.replay.result import Outcome
 from space_robot_bringup.replay.side import SideReplay
-from space_robot_msgs_py.codec.codecs import TickCodec
+from space_robot_msgs_py.codec.codecs import TickCodec, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
+from space_robot_msgs_py.events import DiagnosticEvent, said
 from space_robot_msgs_py.interfaces import Command, PlantSample
 from space_robot_msgs_py.log.arrays import Row
-from space_robot_msgs_py.topics import BASE_ODOM, PLANT_TELEMETRY, topics_of
+from space_robot_msgs_py.topics import BASE_ODOM, FAULTS, PLANT_EVENTS, PLANT_TELEMETRY, Topic, topics_of
 
 FAILED = "simulator: "
 _SHOWN = (*topics_of("state"), PLANT_TELEMETRY)
@@ -40,6 +41,7 @@ class _PlantReplay(SideReplay):
         self._plant = self._composition.plant()
         self._commands: dict[int, Command] = {}
         self._acted: dict[int, int] = {}
+        self._judged: dict[int, DiagnosticEvent] = {}
 
     def run(self) -> Outcome:
         rows = [row for row in self._recording.rows() if BASE_ODOM.name in row[1]]
@@ -71,6 +73,16 @@ class _PlantReplay(SideReplay):
         state = zip(self._codec.state.topics, self._codec.state.encode(sample.state), strict=True)
         telemetry = self._codec.plant_telemetry.encode(sample.telemetry)[0]
         self._comparison.compare(stamp, parts, [*state, (PLANT_TELEMETRY, telemetry)])
+        for topic, events in ((FAULTS, sample.faults), (PLANT_EVENTS, sample.events)):
+            self._comparison.event(topic.name, stamp, "events", said(self._recorded(topic, parts)), said(events))
+
+    def _recorded(self, topic: Topic, parts: Mapping[str, bytes]) -> tuple[DiagnosticEvent, ...]:
+        raw = parts.get(topic.name)
+        try:
+            return () if raw is None else decode_statuses(raw)
+        except SpaceRobotError as error:
+            self._notes[f"recorded events cannot be read ({error})"] += 1
+            return ()
 
     def _end(self, stamp: int) -> str:
         """A recorded plant that gave up after the last state has to give up again, for the same reason."""
@@ -94,9 +106,18 @@ class _PlantReplay(SideReplay):
             except SpaceRobotError:
                 self._notes["commands were refused and are held over"] += 1
         self._acted = dict(_acted(self._codec, rows))
+        self._judged = {stamp: found for stamp, parts in rows for found in self._recorded(PLANT_EVENTS, parts)}
 
     def _command(self, stamp: int) -> Command | None:
         """What the plant was given in the period that begins at a stamp; None: its hold."""
+        if self._recording.composition.loses_commands:
+            # The plant loses them again.
+            return self._commands.get(stamp)
+        judged = self._judged.get(stamp + self._period)
+        if judged is not None:
+            # Not what acted, but what was checked.
+            given = dict(judged.values).get("stamp", "")
+            return self._commands.get(int(given)) if given.isdecimal() else None
         acted = self._acted.get(stamp + (1 + self._delay) * self._period, stamp)
         if acted != stamp:
             self._notes["periods were run with an older command, or none"] += 1

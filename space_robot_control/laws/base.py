@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -45,6 +45,16 @@ class Review:
     warnings: tuple[str, ...] = ()
 
 
+class Inbox(Protocol):
+    """What stands between the messages and a law in a run whose links have faults."""
+
+    def hear(self, state: RobotState, reference: Reference) -> tuple[RobotState, Reference, bool]:
+        """What has arrived at a tick, under its stamp, and whether the controller has just begun anew.
+
+        A stamp that is not later than the last one begins a run.
+        """
+
+
 class Located(ControlError):
     """A ControlError that names the law and the time."""
 
@@ -59,6 +69,7 @@ class Law(Tunable, ABC):
     nothing else.
 
     Attributes:
+        inbox: what stands between messages and law; None: nothing, as in every run without faults of links.
         wheels: momentum of the nominal wheels at the stamp of the state, dead-reckoned from the applied commands.
 
     Args:
@@ -77,6 +88,7 @@ class Law(Tunable, ABC):
     uses_command_delay: bool = False
     telemetry_fields: ClassVar[Mapping[str, str]] = {}
     gains: Gains
+    inbox: Inbox | None = None
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__()
@@ -182,6 +194,10 @@ class Law(Tunable, ABC):
             CommandError: state or reference does not fit the robot or each other.
             ControlError: a value in the control law is not finite or singular.
         """
+        if self.inbox is not None:
+            state, reference, begins_anew = self.inbox.hear(state, reference)
+            if begins_anew:
+                self.reset_in_run()
         output = self.control(state, reference)
         command, own = self._sent.acting(output.command, True)
         self.note_applied(command, own=own)

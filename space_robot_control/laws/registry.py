@@ -24,6 +24,8 @@ PATHS = "module:Class or path/to/file.py:Class"
 BUILT_IN = {
     "adaptive": "space_robot_control.laws.adaptive.law:Adaptive",
     "computed_torque": "space_robot_control.laws.computed_torque.law:ComputedTorque",
+    "damped_hold": "space_robot_control.laws.damped_hold.law:DampedHold",
+    "detumble": "space_robot_control.laws.detumble.law:Detumble",
     "mfac": "space_robot_control.laws.mfac.law:ModelFree",
     "none": "space_robot_control.laws.zero_command:ZeroCommand",
     "ntsmc": "space_robot_control.laws.ntsmc.quaternion_law:Ntsmc",

@@ -14,7 +14,14 @@ from space_robot_control.laws.guarded import guarded_update
 from space_robot_control.laws.switching import ACTIVE, Switching
 from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
-from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec, encode_events
+from space_robot_msgs_py.codec.codecs import (
+    CommandCodec,
+    ReferenceCodec,
+    StateCodec,
+    TelemetryCodec,
+    encode_events,
+    encode_statuses,
+)
 from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
 from space_robot_msgs_py.codec.values import Blocks, all_finite
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -22,7 +29,7 @@ from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference
 from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
-from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, WRENCH_COMMAND, Topic
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, EVENTS, WRENCH_COMMAND, Topic
 
 JOIN_CAPACITY = 1024
 HEARING_SECONDS = 5.0
@@ -43,15 +50,22 @@ class ControllerNode(ManagedNode):
     Args:
         make_law: builds the law, each time the node is configured.
         joint_names: the robot's joints in model order.
+        supervised: a supervisor decides which law answers, and its events are published.
         name: node name.
         options: see ManagedNode.
     """
 
     def __init__(
-        self, make_law: Callable[[], Law], joint_names: tuple[str, ...], *, name: str = "controller", **options: Any
+        self,
+        make_law: Callable[[], Law],
+        joint_names: tuple[str, ...],
+        *,
+        supervised: bool = False,
+        name: str = "controller",
+        **options: Any,
     ) -> None:
         super().__init__(name, **options)
-        self._make_law = make_law
+        self._make_law, self._supervised = make_law, supervised
         self._state = StateCodec(joint_names)
         self._reference = ReferenceCodec(joint_names)
         self._command = CommandCodec(joint_names)
@@ -94,6 +108,7 @@ class ControllerNode(ManagedNode):
         self._mark = mine.pop() if len(mine) == 1 else UNMARKED
         self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
         self._event_publisher = self.publisher(CONTROLLER_EVENTS)
+        self._supervision_publisher = self.publisher(EVENTS) if self._supervised else None
         if isinstance(self._law, Switching):
             self.create_service(Trigger, "~/switch", self._on_switch)
 
@@ -186,6 +201,9 @@ class ControllerNode(ManagedNode):
         return round(stamp / (self._law.control_period * NANOSECONDS))
 
     def _send(self, output: ControlOutput) -> None:
+        if output.supervision and self._supervision_publisher is not None:
+            self._supervision_publisher.publish(encode_statuses(output.supervision))
+            self._supervision_publisher.wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
         if output.events:
             self._event_publisher.publish(encode_events(output.events))
             # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.

@@ -1,5 +1,6 @@
 """Every codec under one roof: values, texts and raw messages to and from canonical bytes."""
 
+from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.texts import (
     decode_clock,
@@ -10,7 +11,7 @@ from space_robot_msgs_py.codec.texts import (
     encode_string,
     peek_stamp,
 )
-from space_robot_msgs_py.codec.topic_bytes import LOGGED, TickCodec, TopicBytes
+from space_robot_msgs_py.codec.topic_bytes import LOGGED, TickCodec, TopicBytes, plant_events
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec
 
 __all__ = [
@@ -23,9 +24,12 @@ __all__ = [
     "TopicBytes",
     "decode_clock",
     "decode_events",
+    "decode_statuses",
     "decode_string",
     "encode_clock",
     "encode_events",
+    "encode_statuses",
     "encode_string",
     "peek_stamp",
+    "plant_events",
 ]

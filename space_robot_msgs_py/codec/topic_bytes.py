@@ -8,14 +8,24 @@ import numpy as np
 
 from space_robot_msgs_py.codec.generic import canonical_message
 from space_robot_msgs_py.codec.layout import Layout
+from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.texts import decode_events, encode_events, peek_stamp
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec, check_size
 from space_robot_msgs_py.errors import LayoutError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Telemetry, Tick
 from space_robot_msgs_py.limits import TELEMETRY_BYTES
-from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, PLANT_TELEMETRY, TABLE, Topic
+from space_robot_msgs_py.topics import (
+    CONTROLLER_EVENTS,
+    CONTROLLER_TELEMETRY,
+    EVENTS,
+    FAULTS,
+    PLANT_EVENTS,
+    PLANT_TELEMETRY,
+    TABLE,
+    Topic,
+)
 
 # What a tick consists of, in the order of the log; what follows from it comes behind it.
 LOGGED: tuple[Topic, ...] = tuple(t for t in TABLE if t.recorded and not t.latched and not t.derived)
@@ -54,15 +64,20 @@ class TickCodec:
         """
         sample, output = tick.sample, tick.output
         values = (sample.state, tick.reference, output.command, output.telemetry, sample.telemetry)
-        stamps = [value.stamp for value in values] + [event.stamp for event in output.events]
+        stamps = [value.stamp for value in values]
+        stamps += [event.stamp for event in output.events]
+        stamps += [event.stamp for event in (*sample.faults, *sample.events, *output.supervision)]
         if any(stamp != tick.stamp for stamp in stamps):
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return (
             *self.state.encode(sample.state),
             *self.reference.encode(tick.reference),
             encode_events(output.events) if output.events else None,
+            encode_statuses(output.supervision) if output.supervision else None,
             *self.command.encode(output.command),
             *self.controller_telemetry.encode(output.telemetry),
+            encode_statuses(sample.faults) if sample.faults else None,
+            encode_statuses(sample.events) if sample.events else None,
             *self.plant_telemetry.encode(sample.telemetry),
         )
 
@@ -71,6 +86,7 @@ class TickCodec:
         parts = dict(zip(self.state.topics, self.state.encode(sample.state), strict=True))
         parts |= zip(self.reference.topics, self.reference.encode(reference), strict=True)
         parts[PLANT_TELEMETRY] = self.plant_telemetry.encode(sample.telemetry)[0]
+        parts |= {topic: encode_statuses(found) for topic, found in plant_events(sample)}
         return tuple(parts.get(topic) for topic in LOGGED)
 
     def decode(self, parts: Mapping[str, bytes]) -> Tick:
@@ -87,10 +103,17 @@ class TickCodec:
             stamps = [state.stamp, reference.stamp, command.stamp]
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return Tick(
-            PlantSample(state, _telemetry(self.plant_telemetry, parts, state.stamp)),
+            PlantSample(
+                state,
+                _telemetry(self.plant_telemetry, parts, state.stamp),
+                *(_statuses(topic, parts, state.stamp) for topic in (FAULTS, PLANT_EVENTS)),
+            ),
             reference,
             ControlOutput(
-                command, _telemetry(self.controller_telemetry, parts, state.stamp), events_of(parts, state.stamp)
+                command,
+                _telemetry(self.controller_telemetry, parts, state.stamp),
+                events_of(parts, state.stamp),
+                _statuses(EVENTS, parts, state.stamp),
             ),
         )
 
@@ -123,6 +146,9 @@ class TopicBytes:
         if topic is CONTROLLER_EVENTS:
             events = decode_events(raw)
             return events[0].stamp, encode_events(events)
+        if topic.kind in ("plant_event", "supervision_event"):
+            faults = decode_statuses(raw)
+            return faults[0].stamp, encode_statuses(faults)
         telemetry = self._telemetry.get(topic)
         if telemetry is None:
             data = self.canonical(topic, raw)
@@ -162,10 +188,27 @@ def events_of(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, 
     """
     raw = parts.get(CONTROLLER_EVENTS.name)
     events = () if raw is None else decode_events(raw)
-    if events and events[0].stamp != stamp:
-        key, value = CONTROLLER_EVENTS.name, [stamp, events[0].stamp]
-        raise LayoutError("parts of different stamps", key=key, value=value, accepted="one stamp")
+    if events:
+        _check_stamp(CONTROLLER_EVENTS, stamp, events[0].stamp)
     return events
+
+
+def plant_events(sample: PlantSample) -> list[tuple[Topic, tuple[DiagnosticEvent, ...]]]:
+    """The events of a sample by the topic they are told on, where there are any."""
+    return [(topic, events) for topic, events in ((FAULTS, sample.faults), (PLANT_EVENTS, sample.events)) if events]
+
+
+def _statuses(topic: Topic, parts: Mapping[str, bytes], stamp: int) -> tuple[DiagnosticEvent, ...]:
+    raw = parts.get(topic.name)
+    events = () if raw is None else decode_statuses(raw)
+    if events:
+        _check_stamp(topic, stamp, events[0].stamp)
+    return events
+
+
+def _check_stamp(topic: Topic, stamp: int, found: int) -> None:
+    if found != stamp:
+        raise LayoutError("parts of different stamps", key=topic.name, value=[stamp, found], accepted="one stamp")
 
 
 def _telemetry(codec: TelemetryCodec, parts: Mapping[str, bytes], stamp: int) -> Telemetry:
@@ -173,7 +216,5 @@ def _telemetry(codec: TelemetryCodec, parts: Mapping[str, bytes], stamp: int) ->
     if raw is None:
         return Telemetry(stamp, (), (), np.empty(0))
     telemetry = codec.decode((raw,))
-    if telemetry.stamp != stamp:
-        key, value = codec.topics[0].name, [stamp, telemetry.stamp]
-        raise LayoutError("parts of different stamps", key=key, value=value, accepted="one stamp")
+    _check_stamp(codec.topics[0], stamp, telemetry.stamp)
     return telemetry

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from typing import IO
 
 from mcap.opcode import Opcode
-from mcap.records import Metadata
+from mcap.records import Channel, Metadata
 
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.log.directory import METADATA_FILE, TEMPORARY, metadata_yaml, recorded_topics
 from space_robot_msgs_py.log.mcap.index import write_indexed
 from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, metadata_bytes, parse, scan
-from space_robot_msgs_py.log.preamble import CHANNELS, END_NAME, RECORDED
+from space_robot_msgs_py.log.preamble import ALWAYS, CHANNELS, END_NAME, RECORDED
 from space_robot_msgs_py.log.run_directory import RunDirectory
 
 _BY_ID = {CHANNELS[topic.name]: topic for topic in RECORDED}
@@ -28,13 +28,13 @@ class Written:
 
     Attributes:
         size: of its complete records [bytes].
-        counts: messages by topic name.
+        counts: messages by topic name, for each topic with a channel.
         last: newest stamp [ns]; -1: none.
         ticks: stamps, the description apart.
     """
 
     size: int = 0
-    counts: dict[str, int] = field(default_factory=lambda: dict.fromkeys(CHANNELS, 0))
+    counts: dict[str, int] = field(default_factory=dict)
     last: int = -1
     ticks: int = 0
 
@@ -125,15 +125,16 @@ def _read_back(stream: IO[bytes], key: str) -> Written | None:
     """What is in a plain log; None where it has its end already, or was cut within its head."""
     if stream.read(len(MAGIC)) != MAGIC:
         return None
-    written, channels = Written(size=len(MAGIC)), 0
+    written = Written(size=len(MAGIC))
     for opcode, content in scan(stream, os.fstat(stream.fileno()).st_size):
         if opcode == Opcode.METADATA and parse(Metadata.read, content, key).name == END_NAME:
             return None
         if opcode == Opcode.MESSAGE:
             _count(written, content)
-        channels += opcode == Opcode.CHANNEL
+        if opcode == Opcode.CHANNEL:
+            written.counts[_BY_ID[parse(Channel.read, content, key).id].name] = 0
         written.size += PREFIX.size + len(content)
-    return written if channels == len(CHANNELS) else None
+    return written if written.counts.keys() >= ALWAYS else None
 
 
 def _count(written: Written, content: bytes) -> None:

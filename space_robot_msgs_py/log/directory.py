@@ -41,10 +41,11 @@ class BagTopic:
 
 
 def recorded_topics(counts: Mapping[str, int]) -> list[BagTopic]:
-    """The topics of a run log with the number of messages by topic name."""
+    """The topics of a run log with the number of messages by topic name, for each that it has a channel of."""
     return [
         BagTopic(log_name(topic), topic.type, counts[topic.name], (qos_of(topic).as_rosbag2(),), type_hash(topic.type))
         for topic in RECORDED
+        if topic.name in counts
     ]
 
 

@@ -41,6 +41,7 @@ class LogHeader:
         joint_names: the robot's joints in model order.
         versions: package name to version, of everything that can change the bits of a run.
         laws: name in the experiment to the source of a custom law; shipped ones are told by the versions.
+        topics: names of the optional topics that the log has channels of.
     """
 
     experiment: str
@@ -49,6 +50,7 @@ class LogHeader:
     joint_names: tuple[str, ...]
     versions: dict[str, str] = field(default_factory=dict)
     laws: Mapping[str, LawSource] = field(default_factory=dict)
+    topics: tuple[str, ...] = ()
 
     def metadata(self) -> dict[str, str]:
         """What goes into the metadata record; experiment, URDF and sources are attachments."""
@@ -57,6 +59,8 @@ class LogHeader:
             "joint_names": json.dumps(self.joint_names),
             "versions": json.dumps(self.versions, sort_keys=True),
         }
+        if self.topics:
+            entries["topics"] = json.dumps(self.topics)
         if not self.laws:
             return entries
         said = {
@@ -94,6 +98,7 @@ class LogHeader:
                 _names(json.loads(metadata["joint_names"])),
                 {str(name): str(version) for name, version in json.loads(metadata["versions"]).items()},
                 _laws(json.loads(metadata.get("laws", "{}")), attachments, key),
+                _names(json.loads(metadata.get("topics", "[]"))),
             )
         except LogError:
             raise

@@ -12,14 +12,21 @@ from space_robot_msgs_py.topics import TABLE, Topic
 
 LIBRARY = "space_robot"
 END_NAME = "end"
-RECORDED: tuple[Topic, ...] = tuple(topic for topic in TABLE if topic.recorded)
-# The list of channels is static: a run without a topic has its channel, empty.
+# What every log has comes first, so that its channels keep their numbers.
+RECORDED: tuple[Topic, ...] = tuple(sorted((one for one in TABLE if one.recorded), key=lambda one: one.optional))
+# A run without a topic has its channel, empty; of optional topics only those that its header names.
 CHANNELS: dict[str, int] = {topic.name: number for number, topic in enumerate(RECORDED, start=1)}
+ALWAYS = frozenset(topic.name for topic in RECORDED if not topic.optional)
 
 
 def log_name(topic: Topic) -> str:
     """The name of a topic in a bag: absolute, as rosbag2 records and plays it."""
     return topic.name if topic.name.startswith("/") else f"/{topic.name}"
+
+
+def channels_of(header: LogHeader) -> tuple[Topic, ...]:
+    """The rows of the table that a log has channels of."""
+    return tuple(topic for topic in RECORDED if not topic.optional or topic.name in header.topics)
 
 
 def signature() -> bytes:
@@ -34,11 +41,12 @@ def preamble(header: LogHeader) -> bytes:
         metadata_bytes(METADATA_NAME, header.metadata()),
         *(_attachment(*one) for one in header.attachments()),
     ]
-    types = list(dict.fromkeys(topic.type for topic in RECORDED))
+    channels = channels_of(header)
+    types = list(dict.fromkeys(topic.type for topic in channels))
     for number, ros_type in enumerate(types, start=1):
         text = schema_text(ros_type).encode()
         parts.append(record_bytes(Schema(id=number, data=text, encoding="ros2msg", name=ros_type)))
-    parts += [record_bytes(_channel(topic, types.index(topic.type) + 1)) for topic in RECORDED]
+    parts += [record_bytes(_channel(topic, types.index(topic.type) + 1)) for topic in channels]
     return b"".join(parts)
 
 

@@ -195,7 +195,7 @@ class LogReader:
 
     def _check_channels(self, names: Iterable[str]) -> None:
         """Every log has these channels, also empty ones: a name that is missing was damaged."""
-        lacking = (_ESSENTIAL | _TELEMETRY).difference(names)
+        lacking = (_ESSENTIAL | _TELEMETRY).union(self.header.topics).difference(names)
         if lacking:
             raise LogError("topics are missing or damaged", key=self._key, value=", ".join(sorted(lacking)))
 

@@ -13,7 +13,7 @@ from space_robot_msgs_py.interfaces import PlantSample, Reference, Tick
 from space_robot_msgs_py.log.closing import Written, append_end, finish_bag, write_all
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.mcap.records import message_bytes
-from space_robot_msgs_py.log.preamble import CHANNELS, preamble
+from space_robot_msgs_py.log.preamble import CHANNELS, channels_of, preamble
 from space_robot_msgs_py.log.run_directory import RunDirectory, WatchedFile
 from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, TF, TF_STATIC, Topic
@@ -52,7 +52,7 @@ class LogWriter:
         self._borrowed = isinstance(directory, RunDirectory)
         self._place = directory if isinstance(directory, RunDirectory) else RunDirectory(Path(directory))
         self.path = self._place.bag
-        self._written = Written()
+        self._written = Written(counts={topic.name: 0 for topic in channels_of(header)})
         self._stream: IO[bytes] | None = None
         with self._guarded():
             self._place.clear()
@@ -95,6 +95,8 @@ class LogWriter:
         records = []
         for topic, channel, data in zip(LOGGED, _IDS, row, strict=True):
             if data is not None:
+                if topic.name not in self._written.counts:
+                    raise LogError("its header names no such topic", key=str(self.path), value=topic.name)
                 records.append(message_bytes(channel, self._written.counts[topic.name], stamp, data))
                 self._written.counts[topic.name] += 1
         transforms = self._frames.from_messages(row[_BASE], row[_JOINTS])

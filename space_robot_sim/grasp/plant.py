@@ -7,10 +7,12 @@ from collections import deque
 
 import numpy as np
 
+from space_robot_description.actuation import command_limit
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.command_hold import Acting, CommandHold
+from space_robot_sim.command_monitor import CommandMonitor
 from space_robot_sim.grasp.conservation import ConservationBalance
 from space_robot_sim.grasp.dynamics import GraspDynamics, Push
 from space_robot_sim.grasp.law import Grasp
@@ -57,6 +59,7 @@ class GraspedBody(ABC):
         self._steps = whole_steps(control_period, step, "control_period")
         self._period, self._h = control_period, control_period / NANOSECONDS / self._steps
         self._hold = CommandHold(robot.n, delay_periods=conditions.delay_periods, hold=conditions.hold)
+        self._monitor = CommandMonitor(conditions.monitor, command_limit(robot), robot.joint_names)
         self._layout = GraspDynamics(robot, force, joints, lag, orbit)
         self._conservation, self._telemetry = ConservationBalance(robot.model), GraspTelemetry(robot, joints, force)
         self._seen: deque[Vector] = deque(maxlen=seen + 1)
@@ -79,6 +82,7 @@ class GraspedBody(ABC):
         self._y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
         self._stamp = 0
         nothing = self._hold.reset()
+        self._monitor.reset()
         self._forget()
         self._conservation.reset()
         self._seen.clear()
@@ -92,7 +96,7 @@ class GraspedBody(ABC):
             CommandError: the command is not for this many joints.
             IntegrationError: the state stopped being finite.
         """
-        acting = self._hold.take(command)
+        acting = self._hold.take(self._monitor.check(command))
         push, stored = self._push(acting.u), self._y[self._layout.wheels].copy()
         if self._lag == 0.0:
             self._y[self._layout.wheel_torque] = push.torque
@@ -121,7 +125,7 @@ class GraspedBody(ABC):
             acting=acting,
             limit=self._limit,
         )
-        return PlantSample(self._see(push), telemetry)
+        return PlantSample(self._see(push), telemetry, events=self._monitor.events(self._stamp))
 
 
 def grasp_joints(robot: Robot, spec: GraspSpec) -> tuple[int, int, int]:

@@ -22,8 +22,11 @@ class Capability(NamedTuple):
         minimum_pulse: (6,) shorter pulses are not fired [s].
         axes: (3, k) unit wheel axes, body frame.
         share: (k, 3) pseudo-inverse of the axes.
-        wheel_limit: (2,) torque [N m] and momentum [N m s] of one wheel.
+        wheel_limit: (k, 2) torque [N m] and momentum [N m s] of each wheel.
         preserve_direction: 1: one scale for the whole command instead of a clip per channel.
+        disturbed: 1: what follows acts beside the command.
+        push: (k,) torque on each wheel beside the commanded one [N m].
+        outside: (6,) force and torque on the base from outside, body frame [N, N m].
     """
 
     limit: npt.NDArray[np.float64]
@@ -34,6 +37,9 @@ class Capability(NamedTuple):
     share: npt.NDArray[np.float64]
     wheel_limit: npt.NDArray[np.float64]
     preserve_direction: int
+    disturbed: int
+    push: npt.NDArray[np.float64]
+    outside: npt.NDArray[np.float64]
 
 
 class Allocation(NamedTuple):
@@ -112,8 +118,8 @@ def _common_scale(able: Capability, command: Vector) -> float:
             scale = min(scale, able.limit[channel] / size)
     for wheel in range(able.share.shape[0]):
         size = abs(_wheel_rate(able, wheel, command))
-        if size > able.wheel_limit[0]:
-            scale = min(scale, able.wheel_limit[0] / size)
+        if size > able.wheel_limit[wheel, 0]:
+            scale = min(scale, able.wheel_limit[wheel, 0] / size)
     return scale
 
 
@@ -134,13 +140,16 @@ def _turn_wheel(
 ) -> None:
     """Momentum rate of a wheel within its torque limit, and when it is full."""
     asked = _wheel_rate(able, wheel, command)
-    rate = max(-able.wheel_limit[0], min(able.wheel_limit[0], scale * asked))
+    torque, momentum = able.wheel_limit[wheel, 0], able.wheel_limit[wheel, 1]
+    rate = max(-torque, min(torque, scale * asked))
+    if able.disturbed:
+        rate += able.push[wheel]
     stop = period
     if rate != 0.0:
-        full = able.wheel_limit[1] if rate > 0.0 else -able.wheel_limit[1]
+        full = momentum if rate > 0.0 else -momentum
         stop = max(0.0, min(period, (full - stored) / rate))
     out.level[6 + wheel], out.stop[6 + wheel] = rate, stop
-    if stop < period or abs(asked) > able.wheel_limit[0]:
+    if stop < period or abs(asked) > torque:
         for k in range(3):
             if abs(able.axes[k, wheel]) > 1e-9:
                 out.saturated[3 + k] = 1.0
@@ -165,5 +174,8 @@ def _cut(able: Capability, period: float, wheels: Vector, out: Allocation) -> in
                 rate, stop = out.level[6 + wheel], out.stop[6 + wheel]
                 row[RATE + k] += able.axes[k, wheel] * (rate if stop > begin else 0.0)
                 row[STORED + k] += able.axes[k, wheel] * (wheels[wheel] + rate * min(begin, stop))
+            if able.disturbed:
+                row[FORCE + k] += able.outside[k]
+                row[TORQUE + k] += able.outside[3 + k]
         begin, count = end, count + 1
     return count

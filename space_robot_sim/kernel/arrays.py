@@ -16,7 +16,7 @@ from space_robot_msgs_py.interfaces import Vector
 
 # Columns of `links`: rotation to the parent (9), origin in the parent (3), mass, mass * com (3), inertia at origin (6).
 ROTATION, ORIGIN, MASS, MOMENT, INERTIA, LINK_SIZE = constants(0, 9, 12, 13, 16, 22)
-PARENT, PRISMATIC = constants(0, 1)
+PARENT, PRISMATIC, LOCKED, TREE_SIZE = constants(0, 1, 2, 3)
 (BASE,) = constants(0)
 
 
@@ -24,7 +24,7 @@ class RobotArrays(NamedTuple):
     """The numbers of a free-flying tree of 1 + n bodies.
 
     Attributes:
-        tree: (1+n, 2) parent body and 1 where the joint slides; row 0 is the base.
+        tree: (1+n, 3) parent body, 1 where the joint slides, 1 where a brake holds it; row 0 is the base.
         links: (1+n, 22) geometry and inertia in canonical frames [m, kg, kg m, kg m2].
         motors: (n, 4) lag [s], viscous [N m s/rad], Coulomb [N m], Coulomb velocity [rad/s].
     """
@@ -46,12 +46,12 @@ def robot_arrays(model: Any, motors: npt.ArrayLike | None = None) -> RobotArrays
     """
     axes, slides = joint_axes(model)
     bodies = model.njoints - 1
-    tree = np.zeros((bodies, 2), dtype=np.int64)
+    tree = np.zeros((bodies, TREE_SIZE), dtype=np.int64)
     links = np.zeros((bodies, LINK_SIZE))
     turns = [np.eye(3)]
     for body in range(bodies):
         if body:
-            tree[body] = model.parents[body + 1] - 1, slides[body - 1]
+            tree[body] = model.parents[body + 1] - 1, slides[body - 1], 0
             turns.append(_frame_along(axes[body - 1]))
             placement, parent_turn = model.jointPlacements[body + 1], turns[tree[body, PARENT]]
             links[body, ROTATION:ORIGIN] = (parent_turn.T @ placement.rotation @ turns[body]).ravel()

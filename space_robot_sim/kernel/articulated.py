@@ -22,7 +22,7 @@ from space_robot_description.kernel.spatial import (
     turned_sym,
 )
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import PARENT, PRISMATIC, RobotArrays
+from space_robot_sim.kernel.arrays import LOCKED, PARENT, PRISMATIC, RobotArrays
 
 Passed = tuple[Sym, Mat, Sym, Vec, Vec]
 
@@ -37,11 +37,24 @@ WORKSPACE = 60
 @inner
 def pass_inward(robot: RobotArrays, body: int, effort: float, rate: float, work: Vector) -> None:
     """Hand the articulated inertia and bias force of a body, seen through its joint, to its parent."""
-    if robot.tree[body, PRISMATIC]:
+    if robot.tree[body, LOCKED]:
+        a, h, m, n, f = _through_brake(body, work)
+    elif robot.tree[body, PRISMATIC]:
         a, h, m, n, f = _through_slide(body, effort, rate, work)
     else:
         a, h, m, n, f = _through_hinge(body, effort, rate, work)
     _add_to_parent(a, h, m, n, f, work, body, robot.tree[body, PARENT])
+
+
+@inner
+def _through_brake(body: int, work: Vector) -> Passed:
+    """What a joint passes on whose rate is zero and stays so: everything."""
+    a, h, m = get6(work, body, A), get9(work, body, H), get6(work, body, M)
+    put3(work, body, UN, (0.0, 0.0, 0.0))
+    put3(work, body, UF, (0.0, 0.0, 0.0))
+    work[body, D], work[body, E] = 0.0, 0.0
+    r = get9(work, body, R)
+    return turned_sym(r, a), turned(r, h), turned_sym(r, m), mul(r, get3(work, body, N)), mul(r, get3(work, body, F))
 
 
 @inner

@@ -105,8 +105,8 @@ def settle(robot: RobotArrays, able: Capability, period: float, plant: Flight) -
         plant.motors[joint] = motor_effort(asked, start, lag, period)
         late = (start - asked) * lag * -math.expm1(-period / lag) / period if lag > 0.0 else 0.0
         plant.effort[joint] = asked + late
-    limit = able.wheel_limit[1]
     for wheel in range(plant.wheels.shape[0]):
+        limit = able.wheel_limit[wheel, 1]
         rate, stop = plant.allocation.level[6 + wheel], plant.allocation.stop[6 + wheel]
         plant.wheels[wheel] = max(-limit, min(limit, plant.wheels[wheel] + rate * stop))
     update_balance(robot, able, plant)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any, Protocol
 
 from rclpy.clock import Clock
@@ -72,6 +72,7 @@ class RecorderNode(GraphNode):
         lossless: every topic there is will speak at every stamp (lock-step); False: a stamp may miss some (paced), it
             is then written as it is, some ticks later; a topic whose publisher comes later is expected from then.
         ahead: ticks that the simulator may be ahead of the log; 0: state k comes when tick k - 1 is in the log.
+        optional: the optional topics of this run, whose publishers have to be there, too.
         options: see GraphNode.
     """
 
@@ -84,6 +85,7 @@ class RecorderNode(GraphNode):
         steps: int,
         lossless: bool = True,
         ahead: int = AHEAD_IN_ONE_PROCESS,
+        optional: Collection[Topic] = (),
         name: str = "recorder",
         **options: Any,
     ) -> None:
@@ -101,11 +103,13 @@ class RecorderNode(GraphNode):
         self._commands, self._accepted = CommandCodec(joint_names), TelemetryCodec(ACCEPTED_COMMAND)
         self._marks = SenderMark(self._commands.layouts)
         self.listen(ROBOT_DESCRIPTION, self._on_description)
-        listeners = {topic: self._listen_recorded(topic) for topic in LOGGED}
-        self._required = {topic: reader for topic, reader in listeners.items() if topic in self._parts.expected}
+        heard = [topic for topic in LOGGED if not topic.optional or topic in optional]
+        listeners = {topic: self._listen_recorded(topic) for topic in heard}
+        required = {*self._parts.expected, *optional}
+        self._required = {topic: reader for topic, reader in listeners.items() if topic in required}
         # Of the handles themselves: they are asked at every tick.
         self._command_counts = [listeners[topic].handle.get_publisher_count for topic in self._commands.topics]
-        self._speakers = Publishers(self, LOGGED)
+        self._speakers = Publishers(self, heard)
         self._news: list[dict[str, Any]] = []
         self._credit_publisher = self.publisher(RECORDER_CREDIT)
         self._given = -1
@@ -159,7 +163,7 @@ class RecorderNode(GraphNode):
         absent = {topic for topic, reader in self._required.items() if reader.get_publisher_count() == 0}
         if self._started:
             # Paced: a controller that appears later is waited for from then on.
-            self._parts.expected |= self._required.keys() - absent
+            self._parts.expected |= {topic for topic in self._required.keys() - absent if not topic.sporadic}
             return
         optional = {"controller_telemetry"} if self.lossless else {"controller_telemetry", "command", "reference"}
         if any(topic.kind not in optional for topic in absent):

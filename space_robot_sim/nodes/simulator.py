@@ -2,24 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any
 from uuid import uuid4
 
-from space_robot_msgs_py.codec.codecs import StateCodec, TelemetryCodec, encode_clock, encode_string
+from rclpy.duration import Duration
+
+from space_robot_msgs_py.codec.codecs import (
+    StateCodec,
+    TelemetryCodec,
+    encode_clock,
+    encode_statuses,
+    encode_string,
+    plant_events,
+)
 from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
-from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN
+from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
 from space_robot_sim.nodes.command_port import CommandPort
 from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import RunServices, StepGate
 from space_robot_sim.nodes.transforms import TransformPublisher
+
+# What a recorder may take to hear of an event.
+HEARING_SECONDS = 5.0
 
 
 class SimulatorNode(ManagedNode):
@@ -44,6 +56,7 @@ class SimulatorNode(ManagedNode):
         steps: number of periods of the run; states 0..steps are published, each is to be answered.
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
+        optional: the optional topics of this run, for the events of the plant.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         options: see ManagedNode.
     """
@@ -58,6 +71,7 @@ class SimulatorNode(ManagedNode):
         steps: int,
         realtime: float | None = None,
         recorded: bool = True,
+        optional: Collection[Topic] = (),
         patience: float = 60.0,
         name: str = "simulator",
         **options: Any,
@@ -66,6 +80,7 @@ class SimulatorNode(ManagedNode):
         self._make_plant, self._joint_names, self._urdf = make_plant, joint_names, urdf
         self._period, self._steps, self._patience = period, steps, patience
         self._realtime, self._recorded = None if realtime is None else checked_factor(realtime), recorded
+        self._optional = optional
         self._states = StateCodec(joint_names)
         self._telemetry = TelemetryCodec(PLANT_TELEMETRY)
         self.tick = 0
@@ -90,6 +105,7 @@ class SimulatorNode(ManagedNode):
         self._set_back(self._plant.reset())
         self._state_publishers = [self.publisher(topic) for topic in self._states.topics]
         self._telemetry_publisher = self.publisher(PLANT_TELEMETRY)
+        self._event_publishers = {one: self.publisher(one) for one in self._optional if one.kind == "plant_event"}
         self._clock_publisher = self.publisher(CLOCK)
         self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
         self._description_publisher.publish(encode_string(self._urdf))
@@ -202,6 +218,10 @@ class SimulatorNode(ManagedNode):
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
+        for topic, events in plant_events(sample):
+            self._event_publishers[topic].publish(encode_statuses(events))
+            # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.
+            self._event_publishers[topic].wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
         publish_all(self._state_publishers, self._states.encode(sample.state))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
         self._clock_publisher.publish(encode_clock(sample.state.stamp))
@@ -238,6 +258,7 @@ class SimulatorNode(ManagedNode):
         sample = self._plant.step(command)
         self.tick += 1
         self._health.count(sample)
+        self.commands.counts.update(event.name for event in sample.events)
         self.commands.expect(self.stamp)
         self._show(sample)
         self.on_tick(self.tick)

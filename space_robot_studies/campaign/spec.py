@@ -30,7 +30,7 @@ from space_robot_studies.campaign.variation import (
 )
 
 # Keys whose value may point at a file beside the campaign file.
-POINTING = ("robot", "reference")
+POINTING = ("robot", "reference", "supervision")
 # All of them are checked before the first is run, which takes a millisecond each, and held in memory at the end.
 MAX_CASES = 100_000
 

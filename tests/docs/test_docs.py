@@ -33,6 +33,8 @@ KINDS = {
     "robot": "base_mode",
     "variant": "base",
     "model": "payload",
+    "faults": "faults",
+    "supervision": "supervision",
 }
 # Pages whose commands need those before them.
 IN_ORDER = ("campaigns.md", "compare.md", "replay.md", "view.md")

@@ -8,6 +8,7 @@ import pytest
 from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_sim.command_hold import NO_COMMAND, CommandHold
+from space_robot_sim.spec import HoldFor
 
 JOINTS = 2
 
@@ -34,6 +35,16 @@ def test_the_stamp_tells_which_command_acts(hold, delay, acting):
         found = line.take(now)
         assert found.stamp == expected
         np.testing.assert_array_equal(found.u, np.full(6 + JOINTS, max(float(expected), 0.0)))
+
+
+@pytest.mark.parametrize("periods", [1, 3])
+def test_the_last_command_acts_for_so_many_periods(periods):
+    """Without commands the last one acts for N periods, then nothing; a new command begins the count again."""
+    line = CommandHold(JOINTS, delay_periods=0, hold=HoldFor(last_for=periods))
+    for start in (1, 9):
+        line.take(command(start))
+        found = [line.take(None).stamp for _ in range(periods + 2)]
+        assert found == [start] * periods + [NO_COMMAND] * 2
 
 
 def test_a_reset_forgets_and_a_wrong_size_is_refused():

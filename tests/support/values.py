@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import ERROR, OK, WARN, ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import (
     Command,
     ControlOutput,
@@ -20,7 +20,14 @@ from space_robot_msgs_py.log.header import LogHeader
 
 PERIOD = 100_000_000
 NAMES = ("shoulder", "elbow", "wrist")
-HEADER = LogHeader("seed: 7\nname: test\n", '<robot name="t"/>', 7, NAMES, {"numpy": "2", "mcap": "1"})
+HEADER = LogHeader(
+    "seed: 7\nname: test\n",
+    '<robot name="t"/>',
+    7,
+    NAMES,
+    {"numpy": "2", "mcap": "1"},
+    topics=("events", "faults", "plant/events"),
+)
 
 joint_counts = st.integers(1, 14)
 stamps = st.integers(0, 2**53 - 1)
@@ -82,8 +89,16 @@ def _tick(stamp, n, rng):
         ControllerEvent(stamp, "parameters", {"values": {"gains.level": float(rng.normal())}}),
         ControllerEvent(stamp, "switch", {"from": "a", "to": "b"}),
     )
-    output = ControlOutput(Command(stamp, rng.normal(size=6), rng.normal(size=n)), telemetry, events)
-    return Tick(PlantSample(state, Telemetry.of(stamp, {"energy": rng.normal()})), reference, output)
+    found = (DiagnosticEvent(stamp, OK, "mode", "NOMINAL -> SAFE", "", (("cause", "tumbling"),)),)
+    output = ControlOutput(Command(stamp, rng.normal(size=6), rng.normal(size=n)), telemetry, events, found)
+    faults = (
+        DiagnosticEvent(
+            stamp, ERROR, "joint_stuck elbow", "begins", "elbow", (("kind", "joint_stuck"), ("joint", "elbow"))
+        ),
+        DiagnosticEvent(stamp, OK, "sensor_noise attitude", "ends"),
+    )
+    refused = (DiagnosticEvent(stamp, WARN, "command refused", "rate", "", (("stamp", "0"), ("count", "1"))),)
+    return Tick(PlantSample(state, Telemetry.of(stamp, {"energy": rng.normal()}), faults, refused), reference, output)
 
 
 def bits(value):

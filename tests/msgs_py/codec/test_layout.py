@@ -192,4 +192,4 @@ def test_messages_of_a_robot_without_joints_round_trip():
     assert values.bits(codec.decode({t.name: raw for t, raw in zip(LOGGED, parts, strict=True)})) == values.bits(tick)
     for topic, raw in zip(LOGGED, parts, strict=True):
         assert canonical_message(topic.type, raw) == raw
-    assert telemetry.decode([parts[-2]]).labels == ("error", "gain")
+    assert telemetry.decode([parts[LOGGED.index(CONTROLLER_TELEMETRY)]]).labels == ("error", "gain")

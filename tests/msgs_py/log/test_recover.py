@@ -60,7 +60,7 @@ def bits(reader: LogReader) -> list[object]:
 WHOLE = [values.bits(tick) for tick in values.run_ticks(COUNT)]
 
 
-@pytest.mark.parametrize("share", [0.4, 0.7, 0.85])
+@pytest.mark.parametrize("share", [0.4, 0.7, 0.86])
 @pytest.mark.parametrize("form", ["plain", "closed"])
 def test_a_cut_log_gives_all_ticks_before_the_cut(
     logs: dict[str, bytes], tmp_path: Path, form: str, share: float

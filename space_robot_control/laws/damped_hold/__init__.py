@@ -1,0 +1,1 @@
+"""Damped hold: every rate to zero by damping alone, a safe law."""

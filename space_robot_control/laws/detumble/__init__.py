@@ -1,0 +1,1 @@
+"""Detumble: rates to zero while the arm keeps its shape, a safe law."""

@@ -1,0 +1,72 @@
+"""Detumble: every rate to zero at one speed, while the arm keeps the shape it has at the first state."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from space_robot_control.command_limits import CommandLimits
+from space_robot_control.laws.base import Blocks, Law
+from space_robot_control.nominal_model import NominalModel
+from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
+from space_robot_description.fields import DYNAMIC
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+
+
+class Detumble(Law):
+    """u = -s H (w' v + w'^2 / 4 [0, q - q0]), w' = w / (1 + w T): rates to zero, the arm stays where it was.
+
+    H is the nominal inertia at the state, with the translation eliminated where no force acts on the base; q0 are the
+    joints at the first state after a reset; s in (0, 1] scales the command until it fits the actuators. Base and joints
+    do not disturb each other to first order in the rates. The reference is not followed; errors to it are telemetry.
+
+    Args:
+        robot: the NOMINAL robot.
+        control_period: T [s].
+        gains: rate.
+
+    The equations on one screen: ``reference.py``.
+
+    Deviations from the paper: there is none; this is the law a robot falls back to.
+    """
+
+    class Gains(Law.Gains):
+        """Gains of detumble."""
+
+        rate: PositiveFloat = Field(
+            default=0.5, description="w, how fast rates decay in continuous time [1/s]", json_schema_extra=DYNAMIC
+        )
+
+    name = "detumble"
+    telemetry_fields = ERROR_FIELDS | {
+        "joint_offset": "q - q0 [rad or m]",
+        "scale": "s, less than 1 where the actuators cannot give the command [-]",
+    }
+    gains: Gains
+
+    def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
+        super().__init__(robot, control_period, gains)
+        self._model, self._limits = NominalModel(robot), CommandLimits(robot)
+        self._first = 3 if robot.base_mode == "free_floating" else 0
+        self._shape: Vector | None = None
+
+    def reset(self) -> None:
+        """Forget the shape of the arm."""
+        super().reset()
+        self._shape = None
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return u and the telemetry listed at the class."""
+        if self._shape is None:
+            self._shape = state.joints
+        floating, offset = self._first > 0, state.joints - self._shape
+        inertia = self._model.reduced_mass_matrix(state.q) if floating else self._model.mass_matrix(state.q)
+        decay = self.gains.rate / (1.0 + self.gains.rate * self.control_period)
+        acceleration = -decay * state.v[self._first :]
+        acceleration[-self.n :] -= 0.25 * decay**2 * offset
+        u = np.zeros(6 + self.n)
+        u[self._first :] = inertia @ acceleration
+        scale = 1.0 if self._limits.fits(u) else self._limits.common_scale(u)
+        errors = error_blocks(tracking_errors(state, reference))
+        return scale * u, {**errors, "joint_offset": offset, "scale": scale}

@@ -1,0 +1,223 @@
+"""The supervisor: monitors with persistence, hysteresis and inhibition, modes, references, tables that are refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from space_robot_description.actuation import command_limit
+from space_robot_description.load import load_robot
+from space_robot_description.share import config_dir, shipped
+from space_robot_description.validation import parse_yaml, validate
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.events import ERROR, OK, WARN
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Telemetry
+from space_robot_supervisor.supervisor import Supervision, Supervisor
+from space_robot_supervisor.table import SupervisionTable
+from space_robot_supervisor.values import Snapshot, value_of, values_of
+
+MINI = load_robot("mini")
+MODES = {"NOMINAL": {}, "SAFE": {"law": "damped_hold", "reference": "here"}}
+FAST = {"name": "fast", "value": "base.rate", "above": 1.0, "to": "SAFE", "in": ["NOMINAL"]}
+
+
+def table(*monitors: dict[str, Any], **keys: Any) -> SupervisionTable:
+    """A checked table."""
+    found = validate(SupervisionTable, {"modes": MODES, "monitors": list(monitors)} | keys, "supervision.")
+    found.check("supervision")
+    return found
+
+
+def supervisor(*monitors: dict[str, Any], **keys: Any) -> Supervisor:
+    """A supervisor of `mini`."""
+    return Supervisor(table(*monitors, **keys), MINI, ("error", "gain"), command_limit(MINI))
+
+
+def snapshot(tick: int, rate: float = 0.0, **keys: Any) -> Snapshot:
+    """A state that turns at this rate about z, and a reference that is somewhere else."""
+    q = np.array([0, 0, 0, 0, 0, 0, 1.0, *MINI.home])
+    v = np.array([0, 0, 0, 0, 0, rate, 0, 0, 0, 0])
+    along_x, along_y = np.eye(11)[:2] * tick
+    state = RobotState(tick, q + along_x, v, np.zeros(4), np.zeros(3))
+    reference = Reference(tick, q - along_y, 0.1 + v, v)
+    return Snapshot(state, reference, **keys)
+
+
+def watched(one: Supervisor, rates: list[float]) -> list[Supervision]:
+    """What it says to a run of rates."""
+    return [one.update(snapshot(tick, rate)) for tick, rate in enumerate(rates)]
+
+
+def told(found: list[Supervision], name: str) -> list[tuple[int, str]]:
+    """(tick, message) of the events of that name."""
+    return [(tick, event.message) for tick, one in enumerate(found) for event in one.events if event.name == name]
+
+
+def test_a_monitor_fires_when_its_condition_has_held_long_enough() -> None:
+    """Three periods in a row above, not two and one later; the mode changes at that tick, with an event for each."""
+    found = watched(supervisor(FAST | {"for": 3, "severity": "high"}), [2, 2, 0, 2, 2, 2, 0])
+    assert told(found, "fast") == [(5, "fires")]
+    assert told(found, "mode") == [(5, "NOMINAL -> SAFE")]
+    assert [one.mode for one in found] == ["NOMINAL"] * 5 + ["SAFE"] * 2
+    fires, mode = found[5].events
+    assert (fires.level, mode.level, fires.stamp) == (ERROR, ERROR, 5)
+    expected = {"value": "base.rate", "is": "2.0", "above": "1.0", "severity": "high"}
+    assert dict(fires.values) == expected
+    assert dict(mode.values) == {"from": "NOMINAL", "to": "SAFE", "cause": "fast"}
+
+
+def test_hysteresis_keeps_a_monitor_from_chattering() -> None:
+    """Around the threshold it fires once; it clears below threshold less hysteresis, and may then fire again."""
+    row = {"name": "fast", "value": "base.rate", "above": 1.0, "hysteresis": 0.2}
+    found = watched(supervisor(row, modes={"NOMINAL": {}}), [1.1, 0.9, 1.1, 0.9, 0.7, 0.9, 1.1])
+    assert told(found, "fast") == [(0, "fires"), (4, "clears"), (6, "fires")]
+    assert [event.level for one in found for event in one.events] == [WARN, OK, WARN]
+
+
+def test_inhibition_silences_a_monitor_after_it_fired() -> None:
+    """For so many periods it neither fires nor clears."""
+    row = {"name": "fast", "value": "base.rate", "above": 1.0, "inhibit_after": 3}
+    found = watched(supervisor(row, modes={"NOMINAL": {}}), [2, 0, 2, 0, 0, 2])
+    assert told(found, "fast") == [(0, "fires"), (4, "clears"), (5, "fires")]
+
+
+def test_a_frozen_reading_is_unchanged() -> None:
+    """The same number, to the bit, so many times in a row."""
+    row = {"name": "frozen", "value": "rate.z", "unchanged": True, "for": 2}
+    found = watched(supervisor(row, modes={"NOMINAL": {}}), [0.1, 0.2, 0.2, 0.2, 0.3, 0.3])
+    assert told(found, "frozen") == [(3, "fires"), (4, "clears")]
+
+
+def test_a_band_has_two_edges() -> None:
+    """Above and below together are outside of a band."""
+    row = {"name": "outside", "value": "rate.z", "above": 1.0, "below": -1.0}
+    found = watched(supervisor(row, modes={"NOMINAL": {}}), [0.0, -2.0, 0.0, 2.0])
+    assert told(found, "outside") == [(1, "fires"), (2, "clears"), (3, "fires")]
+
+
+def test_the_highest_severity_decides() -> None:
+    """Of two that fire at once the higher one leads; both are told."""
+    modes = MODES | {"HOLD": {"reference": "freeze"}}
+    low = FAST | {"name": "low", "to": "HOLD", "severity": "low"}
+    found = watched(supervisor(low, FAST | {"severity": "high"}, modes=modes), [2.0])
+    assert [event.name for event in found[0].events] == ["low", "fast", "mode"]
+    assert found[0].mode == "SAFE"
+
+
+def test_monitors_count_anew_in_another_mode() -> None:
+    """A row is looked at in its modes only, and begins to count when one of them begins."""
+    back = {
+        "name": "still",
+        "value": "base.rate",
+        "below": 0.1,
+        "for": 3,
+        "in": ["SAFE"],
+        "to": "NOMINAL",
+        "severity": "info",
+    }
+    found = watched(supervisor(FAST, back), [0, 0, 0, 2, 0, 0, 0, 0])
+    assert told(found, "still") == [(6, "fires")]
+    assert told(found, "mode") == [(3, "NOMINAL -> SAFE"), (6, "SAFE -> NOMINAL")]
+
+
+def test_a_mode_decides_what_is_followed() -> None:
+    """Guidance's reference, or at rest where the reference or the robot was at the entry, under the tick's stamp."""
+    modes = {"NOMINAL": {}, "HOLD": {"reference": "freeze"}, "SAFE": {"reference": "here"}}
+    first, second = FAST | {"to": "HOLD"}, FAST | {"name": "more", "above": 5.0, "in": ["HOLD"]}
+    found = watched(supervisor(first, second, modes=modes), [0, 2, 0, 6, 0])
+    start = snapshot(0)
+    assert found[0].reference is not None
+    assert found[0].reference.v.any()
+    for tick, expected in ((1, snapshot(1).reference.q), (2, snapshot(1).reference.q), (4, snapshot(3).state.q)):
+        np.testing.assert_array_equal(found[tick].reference.q, expected)
+        assert found[tick].reference.stamp == tick
+        assert not found[tick].reference.v.any()
+        assert not found[tick].reference.a.any()
+    assert start.reference.v.any()
+
+
+def test_a_reset_forgets() -> None:
+    """The same run again gives the same events."""
+    one, rates = supervisor(FAST | {"for": 2}), [2.0, 2.0, 0.0]
+    first = watched(one, rates)
+    one.reset()
+    again = watched(one, rates)
+    assert [found.events for found in again] == [found.events for found in first]
+
+
+def test_values_are_those_of_the_flight_software() -> None:
+    """Rates, errors, telemetry by label, saturation of the last command; what is not there yet is no number."""
+    now, limit = snapshot(3, 0.5), command_limit(MINI)
+    known = values_of(MINI, limit)
+    assert known["base.rate"](now) == 0.5
+    assert known["error.position"](now) == pytest.approx(np.hypot(3, 3))
+    assert known["command.saturation"](now) is None
+    effort = np.where(np.arange(4) == 1, MINI.effort_limit, 0.0)
+    later = snapshot(4, command=Command(3, np.zeros(6), effort), telemetry=Telemetry.of(3, {"gain": [1.0, -2.0]}))
+    assert known["command.saturation"](later) == pytest.approx(1 / 7)
+    labels = ("gain", "SAFE.gain")
+    assert value_of("telemetry.gain", MINI, labels, limit, "k")(later) == 2.0
+    assert value_of("telemetry.gain.0", MINI, labels, limit, "k")(later) == 1.0
+    assert value_of("telemetry.gain.7", MINI, labels, limit, "k")(later) is None
+    assert value_of("telemetry.SAFE.gain", MINI, labels, limit, "k")(later) is None
+
+
+@pytest.mark.parametrize(
+    ("monitors", "keys", "key", "said"),
+    [
+        ([], {"modes": {}}, "supervision.modes", ""),
+        ([], {"start": "NOMINL"}, "supervision.start", "NOMINAL"),
+        ([], {}, "supervision.modes.SAFE", "never reached"),
+        ([FAST | {"to": "SAVE"}], {}, "supervision.monitors.0.to", "SAFE"),
+        ([FAST | {"in": ["NOMNAL"]}], {}, "supervision.monitors.0.in", "NOMINAL"),
+        ([FAST | {"in": ["NOMINAL", "SAFE"]}], {}, "supervision.monitors.0.in", "leads to a mode"),
+        ([FAST, FAST], {}, "supervision.monitors.1.name", "of that name"),
+        ([FAST | {"above": None}], {}, "supervision.monitors.0", "say above, below"),
+        ([FAST | {"unchanged": True}], {}, "supervision.monitors.0", "say above, below"),
+        ([FAST | {"below": 2.0}], {}, "supervision.monitors.0", "outside"),
+        ([FAST | {"hysterese": 1.0}], {}, "supervision.monitors.0.hysterese", "hysteresis"),
+        ([FAST], {"modes": MODES | {"NOMINAL": {"gains": {"rate": 1.0}}}}, "supervision.modes.NOMINAL", "experiment"),
+        (
+            [FAST, FAST | {"name": "b", "above": 2.0, "to": "HOLD"}],
+            {"modes": MODES | {"HOLD": {}}},
+            "supervision.monitors",
+            "contradicts 'fast'",
+        ),
+        (
+            [FAST, {"name": "b", "value": "base.rate", "below": 1.5, "in": ["SAFE"], "to": "NOMINAL"}],
+            {},
+            "supervision.monitors",
+            "leads back",
+        ),
+    ],
+)
+def test_tables_that_cannot_be_are_refused(
+    monitors: list[dict[str, Any]], keys: dict[str, Any], key: str, said: str
+) -> None:
+    """One line with the key: missing modes, unreachable ones, contradictions, flapping, conditions that are none."""
+    with pytest.raises(SpecError) as caught:
+        table(*monitors, **keys)
+    assert caught.value.key == key
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("value", ["base.rte", "telemetry.eror", "joint.rate.joint9", "momentum"])
+def test_a_value_that_is_not_there_is_refused(value: str) -> None:
+    """With the key of its row and the nearest names."""
+    with pytest.raises(SpecError) as caught:
+        supervisor(FAST | {"value": value})
+    assert caught.value.key == "supervision.monitors.0.value"
+    assert caught.value.accepted
+
+
+@pytest.mark.parametrize("name", shipped("supervision"))
+def test_shipped_tables_are_sound(name: str) -> None:
+    """They begin with the name of their robot, check, and read values that it has."""
+    robot = load_robot(name.partition("_")[0])
+    found = validate(SupervisionTable, parse_yaml(config_dir() / "supervision" / f"{name}.yaml"), name)
+    found.check("supervision")
+    Supervisor(found, robot, (), command_limit(robot))
+    assert found.title
