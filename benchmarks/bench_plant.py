@@ -17,7 +17,7 @@ from space_robot_msgs_py.interfaces import Command, Vector
 from space_robot_sim.actuators import capability, motor_numbers
 from space_robot_sim.integrators import stepping
 from space_robot_sim.kernel.arrays import robot_arrays
-from space_robot_sim.kernel.period import flight, fly
+from space_robot_sim.kernel.period import advance, plant_memory
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from space_robot_sim.spec import IntegratorSpec
 from tests.support.robots import LivelyMotion, MujocoTwin, arm_model, robot_of
@@ -75,9 +75,9 @@ def _efforts() -> list[Vector]:
 def _kernel(spec: IntegratorSpec, efforts: list[Vector]) -> Contender:
     robot = robot_of(arm_model())
     arrays, able = robot_arrays(robot.model, motor_numbers(robot)), capability(robot, PERIOD)
-    how, plant, (q, v) = stepping(spec, arrays, PERIOD), flight(JOINTS, 0), _start()
+    how, plant, (q, v) = stepping(spec, arrays, PERIOD), plant_memory(JOINTS, 0), _start()
     commands = [np.concatenate([np.zeros(6), effort]) for effort in efforts]
-    compiled = bound(fly, arrays, able, how, commands[0], 0.1, plant, False)
+    compiled = bound(advance, arrays, able, how, commands[0], 0.1, plant, False)
 
     def start() -> tuple[Callable[[int], object], Callable[[], Vector]]:
         plant.y[:], how.next_step[:] = 0.0, 0.0

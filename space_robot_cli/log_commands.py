@@ -14,7 +14,7 @@ from space_robot_msgs_py.errors import SpecError
 
 if TYPE_CHECKING:
     from space_robot_bringup.replay.comparison import Tolerance
-    from space_robot_bringup.replay.publish import PublishOrder
+    from space_robot_bringup.replay.publish import PublishOptions
 
 
 @app.command()
@@ -58,7 +58,7 @@ def replay(
     """Compute a recorded run again and compare every number with the log, or publish it to a node of your own."""
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.golden import update_reference
-    from space_robot_bringup.replay.publish import PublishOrder
+    from space_robot_bringup.replay.publish import PublishOptions
     from space_robot_bringup.replay.recording import Code
     from space_robot_bringup.replay.replay import ReplayOptions, replay
     from space_robot_cli.render import replay as show
@@ -68,7 +68,7 @@ def replay(
         if as_json or set_ or experiment or update_refs or law or allow_code or against != "both":
             key = "--against, --set, --experiment, --update-refs, --law, --allow-code, --json"
             raise SpecError("means nothing to --publish", key=key, accepted="--publish without it")
-        _publish(bags, PublishOrder(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
+        _publish(bags, PublishOptions(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
         return
     if rate is not None or paused or loop or topics or role != "state":
         raise SpecError("is for --publish", key="--rate, --paused, --loop, --topics, --as", accepted="with --publish")
@@ -89,7 +89,7 @@ def replay(
         raise typer.Exit(FAILED)
 
 
-def _publish(bags: list[Path], options: PublishOrder, tolerance: Tolerance) -> None:
+def _publish(bags: list[Path], options: PublishOptions, tolerance: Tolerance) -> None:
     """Let a node on the graph answer one bag; the end of what it answered decides the exit code."""
     from space_robot_bringup.modes.signals import StopFlag
     from space_robot_bringup.replay.publish import Answers, open_broadcast

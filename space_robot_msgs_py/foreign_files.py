@@ -13,7 +13,7 @@ from space_robot_msgs_py.bounded_yaml import load_yaml
 from space_robot_msgs_py.errors import InputFileError, SpaceRobotError
 from space_robot_msgs_py.limits import METADATA_BYTES, MIB, RECORD_BYTES
 from space_robot_msgs_py.log.directory import METADATA_FILE
-from space_robot_msgs_py.log.mcap.chunks import MOST_RATIO, MOST_UNPACKED
+from space_robot_msgs_py.log.mcap.chunks import MAX_RATIO, MAX_UNPACKED
 
 
 def check_before_reading(place: Path) -> None:
@@ -60,7 +60,7 @@ def unpacker(reader: Any) -> Callable[[bytes], bytes]:
 
 def _unpack(packed: bytes) -> bytes:
     said = zstandard.get_frame_parameters(packed).content_size
-    most = min(RECORD_BYTES.most, max(MIB, MOST_RATIO * len(packed)))
+    most = min(RECORD_BYTES.most, max(MIB, MAX_RATIO * len(packed)))
     if said != zstandard.CONTENTSIZE_UNKNOWN and said > most:
         raise RECORD_BYTES.exceeded("a compressed message", said, InputFileError)
     return zstandard.decompress(packed, max_output_size=most)
@@ -70,13 +70,13 @@ def _check_unpacked(file: Path) -> None:
     """Unpack a file to nowhere: rosbags does it to the disk, as far as there is room."""
     total = 0
     with open_regular(file) as stream:
-        most = max(MOST_UNPACKED, MOST_RATIO * file.stat().st_size)
+        most = max(MAX_UNPACKED, MAX_RATIO * file.stat().st_size)
         try:
             unpacked = zstandard.ZstdDecompressor().stream_reader(stream, read_across_frames=True)
             while part := unpacked.read(MIB):
                 total += len(part)
                 if total > most:
-                    accepted = f"up to {most} bytes, {MOST_RATIO} times its size"
+                    accepted = f"up to {most} bytes, {MAX_RATIO} times its size"
                     raise InputFileError("unpacks to more than any bag", key=short(file), accepted=accepted)
         except zstandard.ZstdError as error:
             raise InputFileError(f"cannot be read as a bag: {error}", key=short(file)) from None

@@ -25,7 +25,7 @@ from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.arrays import LOCKED, RobotArrays, robot_arrays
-from space_robot_sim.kernel.period import Flight, flight, fly, reset_baseline, settle
+from space_robot_sim.kernel.period import PlantMemory, advance, plant_memory, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
@@ -91,19 +91,19 @@ class SimulatedRobot:
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
         self._telemetry = PlantTelemetry(robot, self._wheels.size)
-        self._flight = flight(robot.n, self._wheels.size)
+        self._memory = plant_memory(robot.n, self._wheels.size)
         if self._compiled:
-            sizes = np.zeros(6 + robot.n), self._seconds, self._flight, True
-            self._fly = bound(fly, self._arrays, self._able, self._how, *sizes)
+            sizes = np.zeros(6 + robot.n), self._seconds, self._memory, True
+            self._advance_kernel = bound(advance, self._arrays, self._able, self._how, *sizes)
         self.reset()
 
     def reset(self) -> PlantSample:
         """Return to the initial state and show it (stamp 0)."""
-        for array in (self._flight.motors, self._flight.effort, self._flight.largest, self._how.next_step):
+        for array in (self._memory.motors, self._memory.effort, self._memory.largest, self._how.next_step):
             array[:] = 0.0
-        self._flight.y[:] = 0.0
-        self._flight.y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
-        self._flight.wheels[:] = self._wheels
+        self._memory.y[:] = 0.0
+        self._memory.y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
+        self._memory.wheels[:] = self._wheels
         self._stamp = 0
         nothing = self._hold.reset()
         self._monitor.reset()
@@ -137,7 +137,7 @@ class SimulatedRobot:
         self._model = robot.model
         self._healthy = robot_arrays(robot.model, motor_numbers(robot))
         self._use(self._healthy)
-        self._flight.y[13 + 2 * self._n :] = 0.0
+        self._memory.y[13 + 2 * self._n :] = 0.0
         self._advance(self._hold.held.u, start=True)
 
     def _use(self, arrays: RobotArrays) -> None:
@@ -147,7 +147,7 @@ class SimulatedRobot:
 
     def _with_faults(self, command: Vector) -> Vector:
         """What the faults of this tick leave of a command; they also change actuators, motors and brakes."""
-        acts = self._actuation.at(self._stamp // self._period, command, self._flight.wheels, self._healthy)
+        acts = self._actuation.at(self._stamp // self._period, command, self._memory.wheels, self._healthy)
         self._able = acts.able
         if acts.arrays is not self._arrays:
             held = acts.arrays.tree[1:, LOCKED]
@@ -158,15 +158,15 @@ class SimulatedRobot:
 
     def _stop_joints(self, held: npt.NDArray[np.int64]) -> None:
         """Brakes take the speed out of joints; their work counts as that of everything applied."""
-        y, n = self._flight.y, self._n
+        y, n = self._memory.y, self._n
         y[7 + n : 13 + 2 * n], work = brake(self._model, y[: 7 + n], y[7 + n : 13 + 2 * n].copy(), held)
         y[13 + 2 * n] += work
 
     def _advance(self, acting: Vector, *, start: bool = False) -> int:
         """One period under a command, or with ``start`` only the balance of the initial state; returns a status."""
-        plant = self._flight
+        plant = self._memory
         if self._fallback is None:
-            return self._fly(self._arrays, self._able, self._how, acting, self._seconds, plant, start)
+            return self._advance_kernel(self._arrays, self._able, self._how, acting, self._seconds, plant, start)
         count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
         drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
         if start:
@@ -178,7 +178,7 @@ class SimulatedRobot:
         return status
 
     def _show(self, acting: Acting) -> PlantSample:
-        plant, n = self._flight, self._n
+        plant, n = self._memory, self._n
         y, gauges = plant.y, plant.gauges
         truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:])
         state, telemetry = self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant)
@@ -196,10 +196,10 @@ class SimulatedRobot:
                 key="integrator",
                 accepted="a larger tolerance, slower motors or smoother friction",
             )
-        return IntegrationError(f"not finite {when}", key=f"state.{_first_not_finite(self._flight, self._n)}")
+        return IntegrationError(f"not finite {when}", key=f"state.{_first_not_finite(self._memory, self._n)}")
 
 
-def _first_not_finite(plant: Flight, n: int) -> str:
+def _first_not_finite(plant: PlantMemory, n: int) -> str:
     parts = {
         "position": slice(0, 3),
         "attitude": slice(3, 7),

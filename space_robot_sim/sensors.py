@@ -13,7 +13,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
 from space_robot_sim.spec import ChannelSpec, SensorSpec
 
-LONGEST_DELAY = 10_000  # control periods; every one of them is kept
+MAX_DELAY = 10_000  # control periods; every one of them is kept
 
 
 class Sensors:
@@ -109,12 +109,12 @@ def _channel(name: str, spec: ChannelSpec, size: int, period: int, rng: np.rando
             value=spec.delay,
             accepted=f"multiples of {period / NANOSECONDS:g} s",
         )
-    if periods > LONGEST_DELAY:
+    if periods > MAX_DELAY:
         raise SpecError(
             "too old a reading",
             key=f"{key}.delay",
             value=spec.delay,
-            accepted=f"at most {LONGEST_DELAY} control periods, {LONGEST_DELAY * period / NANOSECONDS:g} s",
+            accepted=f"at most {MAX_DELAY} control periods, {MAX_DELAY * period / NANOSECONDS:g} s",
         )
     noise, bias, quantum = (
         _numbers(value, size, f"{key}.{field}")

@@ -12,9 +12,9 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
 # In one control period, fixed or adaptive; the kernel's own bound, whose module needs the compiler.
-MOST_STEPS = 20_000
+MAX_STEPS = 20_000
 STEP_KEY = "plant.integrator.step"
-_LONGEST_STEP = {"dop853": 0.05, "rk4": 0.005}
+_MAX_STEP = {"dop853": 0.05, "rk4": 0.005}
 
 
 class IntegratorSpec(Strict):
@@ -46,11 +46,11 @@ def fixed_steps(spec: IntegratorSpec, kind: str, period: int) -> int:
     Raises:
         SpecError: they would not be whole nanoseconds, or there would be too many.
     """
-    seconds, longest = period / NANOSECONDS, spec.step or _LONGEST_STEP[kind]
+    seconds, longest = period / NANOSECONDS, spec.step or _MAX_STEP[kind]
     # The margin lets 0.1 s be two steps of 0.05 s whatever the rounding of the quotient.
     steps = max(1.0, np.ceil(seconds / longest - 1e-9))
-    if steps > MOST_STEPS:
-        accepted = f"at least {seconds / MOST_STEPS:g} s, which is {MOST_STEPS} steps in a control period"
+    if steps > MAX_STEPS:
+        accepted = f"at least {seconds / MAX_STEPS:g} s, which is {MAX_STEPS} steps in a control period"
         raise SpecError("too short", key=STEP_KEY, value=longest, accepted=accepted)
     if period % int(steps):
         raise SpecError(

@@ -7,7 +7,7 @@ import numpy as np
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Telemetry
 from space_robot_sim.command_hold import Acting
-from space_robot_sim.kernel.period import Flight
+from space_robot_sim.kernel.period import PlantMemory
 
 
 class PlantTelemetry:
@@ -45,7 +45,7 @@ class PlantTelemetry:
         self._labels, self._sizes = tuple(blocks), tuple(blocks.values())
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
-    def of(self, stamp: int, acting: Acting, plant: Flight) -> Telemetry:
+    def of(self, stamp: int, acting: Acting, plant: PlantMemory) -> Telemetry:
         """Telemetry at a stamp [ns] after a period under the command ``acting``."""
         # On Python floats: at this size several times faster than on arrays.
         joints = plant.y[7 : 7 + self._n].tolist()

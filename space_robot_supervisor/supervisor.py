@@ -69,7 +69,7 @@ class Supervisor:
 
     @property
     def flies(self) -> ModeSpec:
-        """What flies in the mode."""
+        """What runs in the mode."""
         return self._table.modes[self.mode]
 
     def update(self, now: Snapshot) -> Supervision:

@@ -27,7 +27,7 @@ Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^\w[\w.-]*$")
 
 
 class ModeSpec(Strict):
-    """What flies in a mode."""
+    """What runs in a mode."""
 
     law: str = Field(default=CONTROLLER, description="`controller`: the experiment's; or the name of a law")
     gains: dict[str, Any] = Field(default_factory=dict, description="of that law; not of `controller`")

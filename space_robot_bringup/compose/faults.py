@@ -1,4 +1,4 @@
-"""From the faults of an experiment to the plan of a run, and to the robots that fly in the course of it."""
+"""From the faults of an experiment to the plan of a run, and to the robots that run in the course of it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def fault_plan(experiment: Experiment, truth: Robot, seed: np.random.SeedSequenc
 
     Args:
         experiment: with its faults.
-        truth: the robot that flies, as it starts.
+        truth: the true robot, as it starts.
         seed: of everything random in them.
 
     Raises:

@@ -103,7 +103,7 @@ def check_supervision(experiment: Experiment) -> None:
     table.check(KEY)
     if experiment.controller.standby:
         accepted = "laws of modes instead of controller.standby"
-        raise SpecError("decides which law flies", key=KEY, accepted=accepted)
+        raise SpecError("decides which law runs", key=KEY, accepted=accepted)
     for mode, said in table.modes.items():
         key = f"{KEY}.modes.{mode}"
         if said.law not in (CONTROLLER, *BUILT_IN):

@@ -36,7 +36,7 @@ class Check:
 
 
 def check_expectations(expect: Mapping[str, Expectation], names: Sequence[str]) -> None:
-    """Refuse bounds on metrics there will not be, before anything is flown.
+    """Refuse bounds on metrics there will not be, before anything is run.
 
     Args:
         expect: the experiment's.

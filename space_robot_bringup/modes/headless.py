@@ -113,7 +113,7 @@ def _closed(sink: Sink, reason: str, on_failure: Callable[[BaseException], None]
     return reason
 
 
-def fly_in_memory(composition: Composition, hooks: Hooks | None = None) -> MemorySink:
+def run_in_memory(composition: Composition, hooks: Hooks | None = None) -> MemorySink:
     """Run a composition in the headless mode; the sink has its ticks and the reason of its end.
 
     Writing and reading a log takes three times as long as the run.

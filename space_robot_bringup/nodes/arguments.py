@@ -86,6 +86,6 @@ def start_from(options: Mapping[str, Any], given: Mapping[str, Any]) -> Start:
 
 
 def split_ros_arguments(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Ours, and those from ``--ros-args`` on, which rclpy reads."""
+    """Those of this project, and those from ``--ros-args`` on, which rclpy reads."""
     split = arguments.index("--ros-args") if "--ros-args" in arguments else len(arguments)
     return list(arguments[:split]), list(arguments[split:])

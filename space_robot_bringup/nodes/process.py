@@ -69,7 +69,7 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
         start = start_from(vars(options), given_at_start(options.role, context))
         composition = compose(load_experiment(start.experiment, start.set))
         if options.role == "recorder":
-            # It runs nobody's code, and what it has begun to write is closed in order.
+            # It runs no user code, and what it has begun to write is closed in order.
             stop.ending()
         node = _node(options, start, composition, context)
         if isinstance(node, RecorderNode):
@@ -95,7 +95,7 @@ def _node(options: Namespace, start: Start, composition: Composition, context: C
         realtime=start.realtime or None,
         mode="processes",
         context=context,
-        # The simulator's own is the one that may change in flight.
+        # The simulator's own is the one that may change during the run.
         rows=[row for row in parameter_rows(start) if row.name != REALTIME or role != "simulator"],
         overridable=True,
         **extra,
@@ -138,12 +138,12 @@ def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Ca
 
 
 def _progress(node: RecorderNode, period: int, tether: ChildEnd) -> Callable[[], None]:
-    told = -inf
+    reported = -inf
 
     def tell() -> None:
-        nonlocal told
-        if monotonic() - told > PROGRESS_SECONDS:
-            told = monotonic()
+        nonlocal reported
+        if monotonic() - reported > PROGRESS_SECONDS:
+            reported = monotonic()
             tether.tell(tick=node.written_until // period)
 
     return tell

@@ -16,7 +16,7 @@ from space_robot_bringup.modes.context import domain_number, local_context
 from space_robot_bringup.modes.graph import make_executor, raise_bug, spin
 from space_robot_bringup.modes.signals import StopFlag
 from space_robot_bringup.replay.comparison import EXACT
-from space_robot_bringup.replay.publish import Answers, Broadcast, PublishOrder, open_broadcast
+from space_robot_bringup.replay.publish import Answers, Broadcast, PublishOptions, open_broadcast
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_sim.nodes.replayer import ReplayerNode
 
@@ -40,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         try:
             options = (tuple(own.topics), own.rate, own.paused, own.loop, own.namespace)
-            order = PublishOrder(own.role, *options)
+            order = PublishOptions(own.role, *options)
             broadcast = open_broadcast(own.bag, order.namespace)
             reason = publish(broadcast, order, Answers(broadcast, EXACT), lambda: stop.reason, given[split:])
         except SpaceRobotError as error:
@@ -51,7 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def publish(
     broadcast: Broadcast,
-    order: PublishOrder,
+    order: PublishOptions,
     answers: Answers,
     stop: Callable[[], str | None],
     ros_arguments: Sequence[str] = (),

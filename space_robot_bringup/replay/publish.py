@@ -23,7 +23,7 @@ ROLES = ("state", "all")
 
 
 @dataclass(frozen=True, slots=True)
-class PublishOrder:
+class PublishOptions:
     """How a bag is published.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""Any rosbag2 bag: ours or another tool's, in one file or several, chunked, compressed, damaged or cut."""
+"""Any rosbag2 bag: of this project or another tool, in one file or several, chunked, compressed, truncated."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ class Bag:
         except SpaceRobotError:
             raise
         except Exception as error:
-            # What a damaged bag makes rosbags, SQLite and the decompressors raise has no common base.
+            # What a corrupted bag makes rosbags, SQLite and the decompressors raise has no common base.
             raise InputFileError(f"cannot be read as a bag: {error}", key=str(self.path)) from None
 
 
@@ -175,7 +175,7 @@ def _natural(path: Path) -> list[str]:
 
 
 def intact(stream: Iterator[BagMessage | Damage | Missing], key: str) -> Iterator[BagMessage]:
-    """The messages of a bag that must not be damaged; one that was cut just ends earlier.
+    """The messages of a bag that must not be damaged; one that was truncated just ends earlier.
 
     Raises:
         LogError: something in the middle is lost, or messages are missing.

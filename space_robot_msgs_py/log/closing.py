@@ -98,7 +98,7 @@ def close_log_of_dead_writer(place: RunDirectory, reason: str, custom: Mapping[s
     """Give the log of a writer that died its reason, an index and a description; False where there is no log.
 
     Args:
-        place: run directory; nobody writes to it any more.
+        place: run directory; no process writes to it any more.
         reason: of the end.
         custom: remarks for ``metadata.yaml``.
 
@@ -122,7 +122,7 @@ def close_log_of_dead_writer(place: RunDirectory, reason: str, custom: Mapping[s
 
 
 def _read_back(stream: IO[bytes], key: str) -> Written | None:
-    """What is in a plain log; None where it has its end already, or was cut within its head."""
+    """What is in a plain log; None where it has its end already, or was truncated within its head."""
     if stream.read(len(MAGIC)) != MAGIC:
         return None
     written = Written(size=len(MAGIC))

@@ -40,7 +40,7 @@ class LogHeader:
         seed: of the run.
         joint_names: the robot's joints in model order.
         versions: package name to version, of everything that can change the bits of a run.
-        laws: name in the experiment to the source of a custom law; shipped ones are told by the versions.
+        laws: name in the experiment to the source of a custom law; the versions identify shipped ones.
         topics: names of the optional topics that the log has channels of.
     """
 

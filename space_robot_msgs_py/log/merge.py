@@ -29,7 +29,7 @@ HASH, OFFERS = "topic_type_hash", "offered_qos_profiles"
 
 
 class BagMerger:
-    """Reads a bag twice: first what its channels are, which a damaged file may say late, then everything else.
+    """Reads a bag twice: first what its channels are, which a corrupted file may say late, then everything else.
 
     Args:
         bag: of MCAP files.

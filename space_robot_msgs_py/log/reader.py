@@ -52,7 +52,7 @@ class LogReader:
 
     Raises:
         InputFileError: there is no such file, or it is not MCAP.
-        LogError: it is not a log of this project, or was cut within its header.
+        LogError: it is not a log of this project, or was truncated within its header.
     """
 
     def __init__(self, path: StrPath) -> None:
@@ -62,7 +62,7 @@ class LogReader:
 
     @property
     def end_reason(self) -> str | None:
-        """Why the run ended; None if the log was cut before its end."""
+        """Why the run ended; None if the log was truncated before its end."""
         for opcode, content in self._records():
             if opcode == Opcode.METADATA:
                 metadata = parse(Metadata.read, content, self._key)
@@ -72,7 +72,7 @@ class LogReader:
 
     @property
     def robot_description(self) -> str:
-        """The URDF as it was on ``robot_description``; that of the header if the log was cut before it."""
+        """The URDF as it was on ``robot_description``; that of the header if the log was truncated before it."""
         for name, _, data in self.messages():
             return decode_string(data) if name == ROBOT_DESCRIPTION.name else self.header.urdf
         return self.header.urdf

@@ -1,4 +1,4 @@
-"""Makes a clean, indexed bag of one that was cut or damaged, and says what was lost."""
+"""Makes a clean, indexed bag of one that was truncated or corrupted, and says what was lost."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def recover(source: Path | str, target: Path) -> Recovery:
             "not a bag of plain MCAP files", key=str(source), accepted="*.mcap, not compressed by rosbag2"
         )
     if any(file.resolve().parent == target.resolve() for file in bag.files):
-        raise LogError("is the place of the damaged bag", key=str(target), accepted="another directory")
+        raise LogError("is the place of the corrupted bag", key=str(target), accepted="another directory")
     merger = BagMerger(bag)
     try:
         # What is in the target stays until there is something better.

@@ -89,12 +89,12 @@ class GraphNode(Node):  # type: ignore[misc]
         """The simulator says that the run was reset: time begins again at 0; by default nothing is to be done."""
 
     def tune(self, changes: dict[str, Any]) -> None:
-        """Take over parameters that were set in flight, all or none; a node without dynamic ones is never asked.
+        """Take over parameters that were set during the run, all or none; a node without dynamic ones is never asked.
 
         Raises:
             SpecError: the reason why not.
         """
-        raise SpecError("cannot change in flight", key=", ".join(changes))
+        raise SpecError("cannot change during the run", key=", ".join(changes))
 
     def publisher(self, topic: Topic) -> Publisher:
         """A publisher of that row of the table."""
@@ -138,7 +138,7 @@ class GraphNode(Node):  # type: ignore[misc]
     def fail(self, error: Exception) -> None:
         """Keep the error that stopped this node, log it once and end the run with it."""
         self.failure = error
-        # An error of ours is short; another may quote anything.
+        # An error of this project is short; another may quote anything.
         said = shortened(visible(str(error)), MAX_REASON)
         self.get_logger().error(said)
         self.end(f"{self.get_name()}: {said}")

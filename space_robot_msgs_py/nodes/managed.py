@@ -64,7 +64,7 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         super().tune(changes)
 
     def tune(self, changes: dict[str, Any]) -> None:
-        """Take over parameters that were set in flight, all or none.
+        """Take over parameters that were set during the run, all or none.
 
         Raises:
             SpecError: the reason why not; a node that is not configured takes none.
@@ -107,7 +107,7 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         return self._try(self._withdraw, self.cleanup)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Whoever shuts a node down ends the run."""
+        """Shutting a node down ends the run."""
         self.active = False
         self.end(f"{self.get_name()}: shut down")
         return TransitionCallbackReturn.SUCCESS
@@ -122,7 +122,7 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
             for action in actions:
                 action()
         except Exception as error:
-            # rclpy would swallow it; whoever brings the node up in this process gets it, everybody else reads it.
+            # rclpy would swallow it; the caller in this process gets it, others read it in the log.
             self._refusal = error
             self.active = False
             self.get_logger().error(f"{error}")

@@ -1,4 +1,4 @@
-"""What a node runs with as ROS parameters: read-only, but for the few that may change in flight."""
+"""What a node runs with as ROS parameters: read-only, but for the few that may change during the run."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from space_robot_msgs_py.parameters import ParameterRow
 # What ROS itself reads from the same place.
 RESERVED = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 # A recorded reference may have thousands of numbers; a parameter is for people.
-LONGEST = 2000
+MAX_CHARACTERS = 2000
 
 
 class NodeParameters:
-    """Declares rows as parameters and passes on what is set in flight.
+    """Declares rows as parameters and passes on what is set during the run.
 
     Their values come from the experiment, into which what was given at the start has gone already: see
     ``given_at_start``. A change is refused with the reason that ``apply`` raises; ROS checks type and range before.
@@ -86,7 +86,7 @@ def given_at_start(name: str, context: Context) -> dict[str, Any]:
         SpecError: a value is not one that a parameter can have.
     """
     try:
-        # Only a node is told them; this one is gone before anybody sees it.
+        # Only a node gets them; this one is gone before it is discovered.
         node = Node(
             name,
             context=context,
@@ -110,11 +110,11 @@ def to_ros(value: Any) -> Any:
     if isinstance(value, list | tuple) and value:
         kinds = {type(item) for item in value}
         if kinds <= {int, float}:
-            return [float(item) for item in value] if len(value) < LONGEST else f"{len(value)} numbers"
+            return [float(item) for item in value] if len(value) < MAX_CHARACTERS else f"{len(value)} numbers"
         if len(kinds) == 1 and kinds <= {str, bool}:
             return list(value)
     text = json.dumps(value)
-    return text if len(text) < LONGEST else f"{text[:LONGEST]}..."
+    return text if len(text) < MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}..."
 
 
 def from_ros(value: Any) -> Any:

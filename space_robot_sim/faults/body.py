@@ -18,7 +18,7 @@ from space_robot_sim.faults.base import Actuation, ActuationFault, Fault, FaultS
 
 
 class BodyFault(Fault):
-    """A fault after which another robot flies on: same joints and actuators, other inertias.
+    """A fault after which another robot runs on: same joints and actuators, other inertias.
 
     The motion goes on as it is, and momentum and energy are balanced anew from there on.
     """

@@ -62,7 +62,7 @@ class OrbitSpec(Strict):
 
 
 class ConfigurationChange(Strict):
-    """The grasp shifts: where it rests moves from one place to another during a flight (Table 1 of the paper)."""
+    """The grasp shifts: where it rests moves from one place to another during a run (Table 1 of the paper)."""
 
     start: NonNegativeFloat = Field(description="[s]")
     duration: PositiveFloat = Field(description="[s]")
@@ -74,7 +74,7 @@ class CapturedSpec(Strict):
     """A robot in space that holds debris: what is not in the robot file."""
 
     grasp: GraspSpec = Field(default_factory=GraspSpec, description="how the debris is held")
-    change: ConfigurationChange | None = Field(default=None, description="a shift of the grasp during the flight")
+    change: ConfigurationChange | None = Field(default=None, description="a shift of the grasp during the run")
     orbit: OrbitSpec | None = Field(default=None, description="central gravity; default: free space")
     sensors: SensorSpec = Field(default_factory=SensorSpec)
     step: PositiveFloat = Field(default=0.05, description="of the integration, divides the control period [s]")

@@ -9,4 +9,4 @@ from space_robot_description.kernel.cache import cached
 
 def must_compile() -> bool:
     """True if the next plant will be compiled first, which takes about 20 s, once."""
-    return not cached(Path(__file__).with_name("period.py"), "fly")
+    return not cached(Path(__file__).with_name("period.py"), "advance")

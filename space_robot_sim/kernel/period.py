@@ -27,7 +27,7 @@ from space_robot_sim.kernel.steps import DONE, Stepping, integrate
 GAUGES = 7
 
 
-class Flight(NamedTuple):
+class PlantMemory(NamedTuple):
     """The plant between two periods, and the memory to get from one to the next.
 
     Attributes:
@@ -55,17 +55,17 @@ class Flight(NamedTuple):
     allocation: Allocation
 
 
-def flight(joints: int, wheels: int) -> Flight:
+def plant_memory(joints: int, wheels: int) -> PlantMemory:
     """Memory for a robot with that many joints and wheels."""
     y = np.zeros(13 + 2 * joints + QUADRATURES)
     balance = np.zeros(BALANCE_SIZE), np.zeros(BALANCE_SIZE), np.zeros(3), np.zeros(GAUGES)
     motors, effort = np.zeros(joints), np.zeros(joints)
-    return Flight(y, np.zeros(wheels), motors, effort, *balance, scratch(joints), allocation(joints, wheels))
+    return PlantMemory(y, np.zeros(wheels), motors, effort, *balance, scratch(joints), allocation(joints, wheels))
 
 
 @kernel
-def fly(
-    robot: RobotArrays, able: Capability, how: Stepping, command: Vector, period: float, plant: Flight, start: bool
+def advance(
+    robot: RobotArrays, able: Capability, how: Stepping, command: Vector, period: float, plant: PlantMemory, start: bool
 ) -> int:
     """One control period [s] under a command (6+n,); returns the status of `integrate`.
 
@@ -84,7 +84,7 @@ def fly(
 
 
 @kernel
-def reset_baseline(robot: RobotArrays, able: Capability, drive: Drive, plant: Flight) -> None:
+def reset_baseline(robot: RobotArrays, able: Capability, drive: Drive, plant: PlantMemory) -> None:
     """Balance and acceleration of the initial state, against which the run is measured."""
     slope(robot, drive, FIRST, 0.0, plant.y, plant.scratch.slope, plant.scratch)
     balance(robot, plant.y, able.axes, plant.wheels, plant.scratch.bodies, plant.initial)
@@ -93,7 +93,7 @@ def reset_baseline(robot: RobotArrays, able: Capability, drive: Drive, plant: Fl
 
 
 @kernel
-def settle(robot: RobotArrays, able: Capability, period: float, plant: Flight) -> None:
+def settle(robot: RobotArrays, able: Capability, period: float, plant: PlantMemory) -> None:
     """After the integration of a period: unit quaternion, motors and wheels at its end, the conservation balance."""
     y = plant.y
     norm = math.sqrt(y[3] * y[3] + y[4] * y[4] + y[5] * y[5] + y[6] * y[6])
@@ -113,7 +113,7 @@ def settle(robot: RobotArrays, able: Capability, period: float, plant: Flight) -
 
 
 @inner
-def update_balance(robot: RobotArrays, able: Capability, plant: Flight) -> None:
+def update_balance(robot: RobotArrays, able: Capability, plant: PlantMemory) -> None:
     """Balance at this instant, its residuals against the start of the run, and the base's acceleration."""
     y, now, initial, largest, gauges = plant.y, plant.now, plant.initial, plant.largest, plant.gauges
     n = plant.motors.shape[0]

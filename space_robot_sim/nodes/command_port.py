@@ -39,7 +39,7 @@ class CommandPort:
         node: the node to subscribe on.
         joint_names: names a joint command must carry, in this order.
         on_answer: called when the awaited stamp has its answer.
-        keep_late: a valid command that comes too late may still be flown when nothing newer is there (paced runs).
+        keep_late: a valid command that comes too late may still be run when nothing newer is there (paced runs).
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class CommandPort:
         return self._answer
 
     def take_newest(self) -> Command | None:
-        """The newest valid command not flown yet, counting what is missing; None where there is none."""
+        """The newest valid command not applied yet, counting what is missing; None where there is none."""
         if self.answered:
             return self._answer
         self.counts["missed"] += 1

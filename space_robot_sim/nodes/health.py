@@ -45,7 +45,7 @@ class SimulatorStatus(NamedTuple):
 
 
 class SimulatorHealth:
-    """Publishes counters once a second of the steady clock and ends a lock-step run nobody answers.
+    """Publishes counters once a second of the steady clock and ends a lock-step run without answers.
 
     Args:
         node: the node to watch.
@@ -58,13 +58,13 @@ class SimulatorHealth:
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._diagnostics = Diagnostics(node, "plant")
         self._seen_tick, self._silent_since = -1, self._clock.now()
-        self._flown = self._saturated = 0
+        self._ran = self._saturated = 0
         self._warned = False
         self._timer = node.create_timer(DIAGNOSTICS_PERIOD, self._on_timer, clock=self._clock)
 
     def count(self, sample: PlantSample) -> None:
-        """Count a period that was flown."""
-        self._flown += 1
+        """Count a period that was run."""
+        self._ran += 1
         self._saturated += bool(sample.telemetry["saturation"].any())
 
     def _on_timer(self) -> None:
@@ -115,12 +115,12 @@ class SimulatorHealth:
         }
         telemetry = status.sample.telemetry if status.sample is not None else None
         residuals = {name: float(abs(telemetry[name]).max()) for name in RESIDUALS} if telemetry is not None else {}
-        share = self._saturated / self._flown if self._flown else 0.0
+        share = self._saturated / self._ran if self._ran else 0.0
         self._diagnostics.publish(
             status.stamp,
             [
                 self._diagnostics.status("commands", warnings + self._rivals(), "every state was answered", commands),
-                self._diagnostics.status("plant", [], "flying", {"saturation_share": share, **residuals}),
+                self._diagnostics.status("plant", [], "running", {"saturation_share": share, **residuals}),
             ],
         )
 

@@ -18,14 +18,14 @@ SLOWEST, FASTEST = 1e-3, 1e4
 
 def realtime_row(factor: float | None) -> ParameterRow:
     """The parameter that says how fast a run is paced; 0: not paced, it goes as fast as commands come."""
-    text = "simulated seconds per second of the steady clock; 0: lock-step, which cannot be changed in flight"
+    text = "simulated seconds per second of the steady clock; 0: lock-step, which cannot be changed during the run"
     if factor is None:
         return ParameterRow(REALTIME, 0.0, text)
     return ParameterRow(REALTIME, factor, text, dynamic=True, lower=SLOWEST, upper=FASTEST)
 
 
 def checked_factor(value: Any) -> float:
-    """A factor that was given at the start or in flight.
+    """A factor that was given at the start or during the run.
 
     Raises:
         SpecError: it is no number, or beyond the bounds.

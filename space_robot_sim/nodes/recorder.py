@@ -55,7 +55,7 @@ class RecorderNode(GraphNode):
     """Collects the messages of each stamp and writes a tick when all its topics are there.
 
     The order in the file is by stamp, then by table, whatever the order of arrival: equal runs give equal files.
-    Nothing is lost: the simulator starts when the recorder hears every topic (a controller of somebody else may have
+    Nothing is lost: the simulator starts when the recorder hears every topic (a third-party controller may have
     no telemetry: it gets a second) and never runs more than ``ahead`` ticks ahead of what is written, which is well
     inside the depth of the queues. When the simulator says that the run begins again a new log begins, and then the
     simulator gets credit for the new run.
@@ -182,7 +182,7 @@ class RecorderNode(GraphNode):
         self._give_credit()
 
     def _give_credit(self) -> None:
-        """Half of what was given is still unused when the next comes: nobody waits for it."""
+        """Half of what was given is still unused when the next comes: nothing waits for it."""
         reach = self._parts.next + self._ahead * self._period
         if reach >= self._given + self._ahead // 2 * self._period:
             self._given = reach

@@ -31,7 +31,7 @@ class ReplayerNode(GraphNode):
     Lock-step (``rate`` None): a tick is followed by the next when both parts of a command with its stamp are there.
     What the command says moves nothing: the next state is the recorded one.
 
-    Timed: the steady clock advances, whoever answers.
+    Timed: the steady clock advances, with or without answers.
 
     References go out before the state of their stamp.
 
@@ -45,7 +45,7 @@ class ReplayerNode(GraphNode):
         paused: only ``~/step`` advances, until ``~/pause`` says otherwise.
         loop: after the last tick comes the first again; else the run ends with ``completed``.
         patience: lock-step ends with an error when an answer takes longer than this [s].
-        on_answer: told the stamp [ns] and the command of every answer (None: it could not be used).
+        on_answer: called with the stamp [ns] and the command of every answer (None: it could not be used).
         options: see GraphNode.
     """
 
@@ -67,7 +67,7 @@ class ReplayerNode(GraphNode):
     ) -> None:
         super().__init__(name, **options)
         self._ticks, self._loop, self._patience, self._tell = ticks, loop, patience, on_answer
-        # References first: whoever joins them with the state of their stamp has them by then.
+        # References first: a node that joins them with the state of their stamp has them by then.
         ranked = sorted(topics, key=lambda topic: (topic.kind != "reference", TABLE.index(topic)))
         self._sinks = {topic: self.publisher(topic) for topic in ranked}
         self._clock_publisher = self.publisher(CLOCK)
@@ -161,7 +161,7 @@ class ReplayerNode(GraphNode):
             self.end("completed")
 
     def _watch(self) -> None:
-        """Lock-step that nobody answers ends with a reason instead of never."""
+        """A lock-step run without answers ends with a reason instead of never."""
         now = self._steady.now()
         if self.index != self._seen or self.paused or self.commands is None or self.end_reason is not None:
             self._seen, self._since = self.index, now

@@ -1,4 +1,4 @@
-"""The node that is the world: it publishes states and advances only by what it is told."""
+"""Simulator node: it publishes states and advances only on a command or the clock."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class SimulatorNode(ManagedNode):
     there, however long that takes. Where a recorder takes part, the run starts when it hears every node and never gets
     further ahead of it than its credit, so that nothing is lost.
 
-    Paced (``realtime`` given): the steady clock advances the plant, a period without a command is flown with the newest
+    Paced (``realtime`` given): the steady clock advances the plant, a period without a command is run with the newest
     valid one or the plant's hold, and both are counted. The factor is the dynamic parameter ``realtime``. It waits
     for a recorder that does not keep up.
 
@@ -127,7 +127,7 @@ class SimulatorNode(ManagedNode):
         del self._plant
 
     def retune(self, changes: dict[str, Any]) -> None:
-        """Fly faster or slower from the next period on.
+        """Run faster or slower from the next period on.
 
         Raises:
             SpecError: not a number within the bounds of the parameter.
@@ -167,7 +167,7 @@ class SimulatorNode(ManagedNode):
         self._on_answer()
 
     def reset(self) -> None:
-        """Back to the initial state and stamp 0; what is in flight from before is refused as out of date.
+        """Back to the initial state and stamp 0; what is under way from before is refused as out of date.
 
         At tick 0 there is nothing to go back from; steps that were granted and not taken are forgotten.
 
@@ -264,7 +264,7 @@ class SimulatorNode(ManagedNode):
         self.on_tick(self.tick)
 
     def _say_what_was_refused(self) -> None:
-        """A run that was not flown as commanded says so; the numbers in the log cannot."""
+        """A run that deviated from its commands reports it; the numbers in the log cannot."""
         counts = self.commands.counts
         if counts:
             what = ", ".join(f"{number} {name}" for name, number in sorted(counts.items()))

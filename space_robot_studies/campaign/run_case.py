@@ -13,7 +13,7 @@ from typing import Any, Literal
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import experiment_from
 from space_robot_bringup.judge.judging import judge_ticks
-from space_robot_bringup.modes.headless import fly_in_memory, write_bag
+from space_robot_bringup.modes.headless import run_in_memory, write_bag
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.writer import MemorySink
@@ -55,7 +55,7 @@ def run_case(data: Mapping[str, Any], name: str, keep: Keep) -> CaseResult:
     sink = MemorySink()
     try:
         composition = compose(experiment_from(data, name))
-        sink = fly_in_memory(composition)
+        sink = run_in_memory(composition)
         columns = _columns(composition, sink.end_reason or "", sink.ticks)
     except SpaceRobotError as error:
         columns = failure(f"error: {error}")

@@ -15,7 +15,7 @@ from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
 from space_robot_bringup.judge.judging import judge_ticks
 from space_robot_bringup.judge.verdict import PLANT_BOUNDS
-from space_robot_bringup.modes.headless import fly_in_memory, write_bag
+from space_robot_bringup.modes.headless import run_in_memory, write_bag
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
 from space_robot_msgs_py.log.arrays import arrays_of
 from space_robot_msgs_py.log.writer import MemorySink
@@ -75,7 +75,7 @@ def run_job(job: Job) -> RunData:
         return RunData(f"cannot be run: {error}")
     warnings = composition.review().warnings
     try:
-        sink = fly_in_memory(composition)
+        sink = run_in_memory(composition)
     except (Exception, SystemExit) as error:
         # Nothing can be measured of it, and of its log nothing is known to be whole.
         return RunData(bug(error), warnings=warnings)

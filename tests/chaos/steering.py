@@ -57,7 +57,7 @@ WEIGHTS: dict[str, int] = {
     **{f"{transition} {node}": 1 for transition in ("configure", "cleanup") for node in STEERED},
     **{f"{transition} {node}": 2 for transition in ("activate", "deactivate") for node in STEERED},
 }
-LONGEST = 14
+MAX_CHARACTERS = 14
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Case:
 def make_case(seed: int, index: int) -> Case:
     """The sequence of that index."""
     random = Random(f"{seed}/{index}")
-    names = random.choices([*WEIGHTS], [*WEIGHTS.values()], k=random.randint(3, LONGEST))
+    names = random.choices([*WEIGHTS], [*WEIGHTS.values()], k=random.randint(3, MAX_CHARACTERS))
     numbers = [random.randint(1, 40) for _ in names]
     actions, paced = tuple(zip(names, numbers, strict=True)), random.random() < 0.4
     # Paced, the log may be a window behind.
@@ -237,7 +237,7 @@ def failure_of(seed: int, index: int) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Fly so many cases; 1 where one fails."""
+    """Run so many cases; 1 where one fails."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)

@@ -104,7 +104,7 @@ def test_every_mode_logs_the_same_bytes(tmp_path: Path, mode: Mode) -> None:
 
 
 def test_the_command_line_takes_faults(space_robot: Tool, tmp_path: Path) -> None:
-    """`run --fault` flies with it; its log says so like one of a file."""
+    """`run --fault` runs with it; its log says so like one of a file."""
     place, typed = tmp_path / "run", ("--fault", FAULTS[0], "--fault", FAULTS[10])
     done = space_robot("run", "liu2023/fig08", "--duration", "6", *typed, "--out", str(place), "--json")
     assert done.returncode in (0, 1), done.stderr

@@ -10,7 +10,7 @@ import pytest
 
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
-from space_robot_bringup.modes.headless import fly_in_memory
+from space_robot_bringup.modes.headless import run_in_memory
 from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_msgs_py.interfaces import Tick
@@ -73,7 +73,7 @@ def test_without_faults_no_mode_changes() -> None:
     """The task itself, with noise, is no reason to leave NOMINAL."""
     noise = {f"plant.sensors.{name}.noise": 1e-4 for name in ("angular_velocity", "joint_velocity", "attitude")}
     for law in ("computed_torque", "adaptive", "ntsmc", "pd"):
-        sink = fly_in_memory(compose(experiment(**{"faults": [], "controller.law": law} | noise)))
+        sink = run_in_memory(compose(experiment(**{"faults": [], "controller.law": law} | noise)))
         assert sink.end_reason == "completed"
         assert modes(sink.ticks) == []
 
@@ -81,7 +81,7 @@ def test_without_faults_no_mode_changes() -> None:
 def test_a_supervisor_that_finds_nothing_changes_no_command() -> None:
     """Commands are, to the bit, those of the run without it."""
     watched, alone = (
-        fly_in_memory(compose(experiment(**{"faults": [], "duration": 10.0, "supervision": table}))).ticks
+        run_in_memory(compose(experiment(**{"faults": [], "duration": 10.0, "supervision": table}))).ticks
         for table in ("mini_basic", None)
     )
     for one, other in zip(watched, alone, strict=True):
@@ -124,7 +124,7 @@ def test_bad_tables_are_refused_before_anything_runs(
 
 
 def test_laws_in_standby_and_a_supervisor_exclude_each_other(space_robot: Tool) -> None:
-    """Both would decide which law flies."""
+    """Both would decide which law runs."""
     refused(space_robot("check", "switch/mini", "--set", "supervision=mini_basic"), "controller.standby")
 
 

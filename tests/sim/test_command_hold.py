@@ -26,7 +26,7 @@ def command(stamp: int) -> Command:
         ("zero", 1, [NO_COMMAND, 0, NO_COMMAND, NO_COMMAND, 3]),
     ],
 )
-def test_the_stamp_tells_which_command_acts(hold, delay, acting):
+def test_the_command_stamp_names_the_applied_command(hold, delay, acting):
     """Commands at 0 and 3, none in between: hold and delay decide, force and stamp agree."""
     line = CommandHold(JOINTS, delay_periods=delay, hold=hold)
     assert line.reset().stamp == NO_COMMAND

@@ -27,7 +27,7 @@ def command(stamp: int = 0, scale: float = 1.0) -> Command:
     return Command(stamp, scale * np.arange(1.0, 7.0), scale * np.linspace(0.3, 0.01, 7))
 
 
-def fly(plant: SimulatedRobot, periods: int) -> list[PlantSample]:
+def simulate(plant: SimulatedRobot, periods: int) -> list[PlantSample]:
     return [plant.reset(), *(plant.step(command(k, np.cos(0.3 * k))) for k in range(periods))]
 
 
@@ -62,7 +62,7 @@ def test_conserves_momentum_and_energy(
 def test_momentum_and_energy_balance_under_external_forces() -> None:
     """With forces, torques, lag and friction, momentum changes by the impulse and energy by the work."""
     plant = plant_of({"joints": {"effort": 1e3, "lag": 0.05, "viscous": 0.3, "coulomb": 0.02}})
-    last = fly(plant, 100)[-1]
+    last = simulate(plant, 100)[-1]
     assert last.telemetry["momentum_residual"].max() < 1e-9
     assert last.telemetry["energy_residual"].max() < 1e-9
     assert last.telemetry["energy"][0] > 1.0
@@ -82,7 +82,7 @@ def test_a_robot_at_rest_has_no_residuals() -> None:
 def test_telemetry_shows_the_truth() -> None:
     """Labels and sizes are fixed, and truth, momentum and energy are those of Pinocchio at the true state."""
     plant = plant_of(WHEELS, floating=True)
-    samples = fly(plant, 10)
+    samples = simulate(plant, 10)
     telemetry = samples[-1].telemetry
     assert dict(zip(telemetry.labels, telemetry.sizes, strict=True)) == {
         "true_configuration": 14,
@@ -180,7 +180,7 @@ def test_same_inputs_same_bits(kernel: Any) -> None:
     }
     joints = {"joints": {"effort": 1e3, "lag": 0.05}}
     first, second = plant_of(joints, **options), plant_of(joints, **options)
-    runs = [fly(first, 6), fly(second, 6), fly(first, 6)]
+    runs = [simulate(first, 6), simulate(second, 6), simulate(first, 6)]
     for others in runs[1:]:
         for a, b in zip(runs[0], others, strict=True):
             assert blocks_equal([a.state.q, a.state.v, a.telemetry.data], [b.state.q, b.state.v, b.telemetry.data])

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.modes.headless import fly_in_memory
+from space_robot_bringup.modes.headless import run_in_memory
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, PlantSample, Tick
 from space_robot_msgs_py.log.writer import LogSink
 
@@ -26,7 +26,7 @@ def write_long_log(directory: Path, count: int) -> Composition:
     Returns:
         What its experiment composes to.
     """
-    ticks = fly_in_memory(compose(load_experiment(EXPERIMENT, (*OVERRIDES, SHORT)))).ticks
+    ticks = run_in_memory(compose(load_experiment(EXPERIMENT, (*OVERRIDES, SHORT)))).ticks
     period = ticks[1].stamp
     duration = f"duration={(count - 1) * period / NANOSECONDS!r}"
     composition = compose(load_experiment(EXPERIMENT, (*OVERRIDES, duration)))

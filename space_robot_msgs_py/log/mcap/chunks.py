@@ -13,8 +13,8 @@ from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.limits import CHUNK_BYTES
 
 # A chunk may be that large, or that many times its compressed size; a length beyond is damage, not data.
-MOST_UNPACKED = 1 << 24
-MOST_RATIO = 256
+MAX_UNPACKED = 1 << 24
+MAX_RATIO = 256
 
 
 def unpack_chunk(chunk: Chunk, key: str) -> bytes:
@@ -40,7 +40,7 @@ def unpack_chunk(chunk: Chunk, key: str) -> bytes:
 
 def _most(chunk: Chunk) -> int:
     """How large a chunk may be, unpacked."""
-    return min(CHUNK_BYTES.most, max(MOST_UNPACKED, MOST_RATIO * len(chunk.data)))
+    return min(CHUNK_BYTES.most, max(MAX_UNPACKED, MAX_RATIO * len(chunk.data)))
 
 
 def _unpack(chunk: Chunk, size: int, key: str) -> bytes:
@@ -65,7 +65,7 @@ def _unpack_zstd(packed: bytes, size: int) -> bytes:
 
 
 def unpack_beginning(chunk: Chunk) -> bytes:
-    """What can be unpacked of a chunk that was cut; nothing is checked, for its checksum is that of the whole."""
+    """What can be unpacked of a chunk that was truncated; nothing is checked, for its checksum is that of the whole."""
     packed = chunk.data
     most = min(chunk.uncompressed_size, _most(chunk))
     try:

@@ -60,7 +60,7 @@ def message_head(content: bytes, key: str) -> tuple[int, int, int, int]:
 
 
 def scan(stream: IO[bytes], size: int) -> Iterator[tuple[int, bytes]]:
-    """Opcode and content of every complete record behind the magic; a file that was cut just ends earlier.
+    """Opcode and content of every complete record behind the magic; a file that was truncated just ends earlier.
 
     Args:
         stream: the file, behind its magic.

@@ -25,7 +25,7 @@ _OPCODES = frozenset(int(opcode) for opcode in Opcode)
 _CANDIDATE = re.compile(rb"(?=[\x01-\x0f][\x00-\xff]{4}\x00{4})", re.DOTALL)
 # So many records in a row have to make sense before the place is believed to be the start of one.
 _CHAIN = 3
-_SMALLEST = {int(Opcode.MESSAGE): MESSAGE.size, int(Opcode.CHUNK): 40, int(Opcode.FOOTER): 20}
+_MIN_SIZE = {int(Opcode.MESSAGE): MESSAGE.size, int(Opcode.CHUNK): 40, int(Opcode.FOOTER): 20}
 _PARSED: dict[int, Callable[[ReadDataStream], object]] = {
     int(Opcode.HEADER): Header.read,
     int(Opcode.SCHEMA): Schema.read,
@@ -70,7 +70,7 @@ def salvage(path: Path) -> Iterator[Record | Damage]:
     The file is mapped, not read: what it takes is one chunk.
 
     Args:
-        path: an MCAP file, whole, cut or damaged.
+        path: an MCAP file, whole, truncated or corrupted.
 
     Raises:
         InputFileError: it cannot be read, or not one record of MCAP is in it.
@@ -131,7 +131,7 @@ def _end(data: mmap.mmap, position: int) -> int | None:
         return None
     opcode, length = PREFIX.unpack_from(data, position)
     stop = position + PREFIX.size + length
-    if opcode not in _OPCODES or stop > len(data) or not _SMALLEST.get(opcode, 0) <= length <= RECORD_BYTES.most:
+    if opcode not in _OPCODES or stop > len(data) or not _MIN_SIZE.get(opcode, 0) <= length <= RECORD_BYTES.most:
         return None
     # What follows begins with an opcode or is the end; else the length is wrong, and would swallow good records.
     if stop < len(data) and opcode != Opcode.FOOTER and data[stop] not in _OPCODES:

@@ -86,7 +86,7 @@ def test_a_reference_that_keeps_moving_has_no_settling_time() -> None:
 
 
 def test_a_run_without_ticks_cannot_be_judged() -> None:
-    """Nothing flown is an error, not a success."""
+    """Nothing run is an error, not a success."""
     with pytest.raises(NonFiniteError):
         measure([], ["hinge"], base_translation=False)
 

@@ -31,7 +31,7 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.context import private_context, reserved_domain
 from space_robot_bringup.modes.graph import LIGHT, make_executor, make_node
 from space_robot_bringup.replay.comparison import EXACT
-from space_robot_bringup.replay.publish import Answers, PublishOrder, open_broadcast
+from space_robot_bringup.replay.publish import Answers, PublishOptions, open_broadcast
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_sim.nodes.replayer import ReplayerNode
 from tests.support.follow import DEADLINE as PROCESS_SECONDS
@@ -128,7 +128,7 @@ class Stage:
 
 @contextmanager
 def stage(bag: Path, other: Callable[[Context], Any] = Stranger, **order: Any) -> Iterator[Stage]:
-    broadcast, how = open_broadcast(bag), PublishOrder(**order)
+    broadcast, how = open_broadcast(bag), PublishOptions(**order)
     answers = Answers(broadcast, EXACT)
     with private_context() as context:
         replayer = ReplayerNode(
@@ -229,12 +229,12 @@ def test_a_looped_replayer_begins_again(bag: Path) -> None:
 
 def test_publish_sends_the_topics_of_the_option(bag: Path) -> None:
     """By default what a controller hears; with `all` its commands too, timed; with names only those."""
-    names = {topic.name for topic in PublishOrder().published}
+    names = {topic.name for topic in PublishOptions().published}
     assert {"base/odom", "joint_states", "base/imu", "reference/base", "plant/telemetry"} <= names
     assert names.isdisjoint({"base/wrench_command", "joint_command", "controller/telemetry"})
-    everything = PublishOrder(role="all")
+    everything = PublishOptions(role="all")
     assert {"base/wrench_command", "controller/telemetry"} <= {topic.name for topic in everything.published}
-    assert (PublishOrder().pace, everything.pace) == (None, 1.0)
+    assert (PublishOptions().pace, everything.pace) == (None, 1.0)
     with stage(bag, topics=("/base/odom",), rate=100.0) as on:
         on.until(lambda: on.replayer.end_reason, "the end of the bag")
         on.until(lambda: on.other.heard.get("base/odom") == TICKS, "the odometry")

@@ -13,7 +13,7 @@ from ruamel.yaml import YAML
 
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.modes.headless import fly_in_memory, write_bag
+from space_robot_bringup.modes.headless import run_in_memory, write_bag
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.errors import InputFileError, LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry
@@ -66,7 +66,7 @@ def _beginning(ticks):
     return [values.bits(tick) for tick in ticks] == [values.bits(tick) for tick in expected]
 
 
-def test_what_was_written_is_read(run):
+def test_a_written_log_reads_back_bit_for_bit(run):
     """Header, description, reason and every tick come back bit for bit, from the directory and from the file."""
     for path in (run, run / "run_0.mcap", str(run)):
         reader = LogReader(path)
@@ -104,7 +104,7 @@ def test_arrays_are_the_ticks_stacked(run):
 
 
 @pytest.mark.parametrize("part", range(50))
-def test_a_cut_file_is_read_to_its_last_whole_tick(killed, tmp_path, part):
+def test_a_truncated_log_is_read_to_its_last_complete_tick(killed, tmp_path, part):
     """Cut anywhere, a log is read without a traceback, and what is read is the beginning of what was written."""
     cut = len(killed) * part // 50 + part
     path = tmp_path / "cut_0.mcap"
@@ -144,7 +144,7 @@ def ends(run):
 
 
 @pytest.mark.parametrize("part", range(1, 20))
-def test_a_cut_indexed_file_is_read_too(run, ends, tmp_path, part):
+def test_a_truncated_indexed_log_is_read(run, ends, tmp_path, part):
     """A closed log that was truncated later gives every tick if its chunk is whole, else none; its end where it is."""
     data, (messages, end) = (run / "run_0.mcap").read_bytes(), ends
     cut = len(data) * part // 20
@@ -205,7 +205,7 @@ def test_missing_files_and_directories_are_named(tmp_path):
 
 
 def test_a_foreign_mcap_file_is_refused(tmp_path):
-    """A valid MCAP file of somebody else is a LogError, not an empty log."""
+    """A valid MCAP file of another tool is a LogError, not an empty log."""
     from mcap.writer import Writer
 
     with (tmp_path / "x.mcap").open("wb") as stream:
@@ -229,7 +229,7 @@ def test_telemetry_that_changes_shape_is_named(tmp_path):
 
 
 @pytest.mark.parametrize("fault", ["wrong names", "not a number"])
-def test_a_tick_with_a_refused_command_is_told_apart(tmp_path, fault):
+def test_a_tick_with_a_refused_command_is_distinguished(tmp_path, fault):
     """A command that does not fit stays in the log as a message, is named, and spoils no other tick."""
     codec, ticks = TickCodec(values.NAMES), values.run_ticks(5)
     writer = LogWriter(tmp_path / "run", values.HEADER)
@@ -330,7 +330,7 @@ def test_nothing_of_this_machine_is_in_the_file(killed):
 def test_ticks_in_memory_stack_like_a_log_of_them(tmp_path: Path) -> None:
     """``arrays_of`` gives the arrays that the log of the same ticks gives, bit for bit."""
     composition = compose(load_experiment("liu2023/fig08", ("duration=1.0",)))
-    sink = fly_in_memory(composition)
+    sink = run_in_memory(composition)
     write_bag(sink, composition, tmp_path / "run")
     logged, stacked = LogReader(tmp_path / "run").arrays(), arrays_of(sink.ticks)
     for field in fields(LogArrays):

@@ -1,4 +1,4 @@
-"""What is left of a cut or damaged bag is found, and what is lost is said."""
+"""What is left of a truncated or corrupted bag is found, and what is lost is said."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ WHOLE = [values.bits(tick) for tick in values.run_ticks(COUNT)]
 
 @pytest.mark.parametrize("share", [0.4, 0.7, 0.86])
 @pytest.mark.parametrize("form", ["plain", "closed"])
-def test_a_cut_log_gives_all_ticks_before_the_cut(
+def test_a_truncated_log_gives_all_ticks_before_the_truncation(
     logs: dict[str, bytes], tmp_path: Path, form: str, share: float
 ) -> None:
     """The recovered bag is indexed, opens in rosbags and holds the beginning of the run, bit for bit."""
@@ -118,10 +118,10 @@ def _chunks(data: bytes) -> list[Damage]:
 
 
 def test_records_taken_out_are_counted_by_their_numbers(logs: dict[str, bytes], tmp_path: Path) -> None:
-    """Of a log that was killed nobody has counted the messages; gaps in their numbers tell."""
+    """A killed log has no count of its messages; gaps in their numbers show losses."""
     kept = records(logs["plain"])
-    ours = [index for index, record in enumerate(kept) if record[0] == Opcode.MESSAGE]
-    del kept[ours[100] : ours[100] + 5]
+    message_indices = [index for index, record in enumerate(kept) if record[0] == Opcode.MESSAGE]
+    del kept[message_indices[100] : message_indices[100] + 5]
     done = recover(put(tmp_path / "bad", MAGIC + b"".join(kept)), tmp_path / "good")
     assert sum(done.lost.values()) == 5
     assert bits(LogReader(done.path))
@@ -135,7 +135,7 @@ def test_a_damaged_beginning_is_no_end(logs: dict[str, bytes], tmp_path: Path, f
     assert done.damage[0].offset == 0
 
 
-def test_a_lost_experiment_is_said(logs: dict[str, bytes], tmp_path: Path) -> None:
+def test_recover_of_a_log_without_its_header_says_so(logs: dict[str, bytes], tmp_path: Path) -> None:
     """With its header damaged a log becomes a bag: all messages, and a complaint that says so."""
     data = logs["closed"].replace(b"seed: 7\nname: test", b"seed: 8\nname: test")
     done = recover(put(tmp_path / "bad", data), tmp_path / "good")
@@ -146,7 +146,7 @@ def test_a_lost_experiment_is_said(logs: dict[str, bytes], tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("data", [b"", MAGIC, b"not mcap at all", bytes(5000), MAGIC + bytes(5000)])
-def test_nothing_becomes_nothing(tmp_path: Path, data: bytes) -> None:
+def test_recover_of_a_log_without_messages_writes_nothing(tmp_path: Path, data: bytes) -> None:
     """Without a single message there is one line that says so, and no directory is left behind."""
     with pytest.raises((InputFileError, LogError), match="bad") as caught:
         recover(put(tmp_path / "bad", data), tmp_path / "good")
@@ -188,7 +188,7 @@ def test_the_damaged_bag_is_never_written_to(logs: dict[str, bytes], tmp_path: P
     assert path.read_bytes() == logs["plain"][:-5000]
 
 
-def test_lengths_are_checked_before_memory_is_asked_for(logs: dict[str, bytes], tmp_path: Path) -> None:
+def test_lengths_are_checked_before_memory_is_allocated(logs: dict[str, bytes], tmp_path: Path) -> None:
     """With any byte of a chunk's head set to 255, looking and recovering take no more than a few times the file."""
     data = logs["closed"]
     start = _chunks(data)[0].offset
@@ -208,7 +208,7 @@ def test_lengths_are_checked_before_memory_is_asked_for(logs: dict[str, bytes], 
         assert peak < 10 * len(data), shift
 
 
-def test_no_cut_and_no_flipped_byte_makes_a_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_truncation_and_no_flipped_byte_makes_a_traceback(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Cut at 200 and damaged at 200 random places, a log is recovered to something readable or refused in one line."""
     # What takes nearly all the time, and depends on the damage only by its counts.
     monkeypatch.setattr("space_robot_msgs_py.log.recover.write_metadata_yaml", _touch)

@@ -84,7 +84,7 @@ ATTACKS: dict[str, Callable[[Path], object]] = {
 
 
 @pytest.mark.parametrize("attack", ATTACKS.values(), ids=ATTACKS)
-@pytest.mark.parametrize("late", [False, True], ids=["in flight", "before the end"])
+@pytest.mark.parametrize("late", [False, True], ids=["during the run", "before the end"])
 def test_a_log_that_is_gone_is_noticed_at_once(tmp_path: Path, attack: Callable[[Path], object], late: bool) -> None:
     """The next tick, or the end, says that the log is gone; nothing temporary stays."""
     sink, ticks = LogSink(tmp_path / "run", values.HEADER), values.run_ticks(3)

@@ -32,7 +32,7 @@ def test_equal_runs_are_equal_files(tmp_path):
     assert first.read_bytes() == second.read_bytes()
 
 
-def test_one_bit_makes_another_file(tmp_path):
+def test_runs_that_differ_in_one_bit_differ_as_files(tmp_path):
     """Runs that differ in one number differ as files."""
     first = write(tmp_path / "first", values.run_ticks(3, seed=0))
     second = write(tmp_path / "second", values.run_ticks(3, seed=1))
@@ -173,7 +173,7 @@ def test_a_previous_run_is_replaced(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["thesis.tex", "run_0.mcap", "other_0.mcap"])
-def test_what_is_not_ours_is_never_replaced(tmp_path, name):
+def test_a_bag_of_another_tool_is_never_replaced(tmp_path, name):
     """A directory with other content, another project's bag among it, is refused by name and left as it is."""
     place = tmp_path / "run"
     place.mkdir()
@@ -183,10 +183,10 @@ def test_what_is_not_ours_is_never_replaced(tmp_path, name):
     assert (place / name).read_bytes().endswith(b"something else")
 
 
-def test_a_bag_of_others_beside_ours_is_refused(tmp_path):
-    """Our run does not license the removal of a foreign bag in the same directory."""
+def test_a_bag_of_another_tool_in_the_run_directory_is_refused(tmp_path):
+    """A run of this project does not license the removal of a foreign bag in the same directory."""
     write(tmp_path / "run", values.run_ticks(1))
-    (tmp_path / "run" / "flight_0.mcap").write_bytes(b"precious")
+    (tmp_path / "run" / "other_0.mcap").write_bytes(b"precious")
     with pytest.raises(LogError, match="not a run directory"):
         LogWriter(tmp_path / "run", values.HEADER)
 

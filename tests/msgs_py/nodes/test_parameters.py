@@ -11,7 +11,7 @@ pytest.importorskip("rclpy")
 from rclpy.parameter import Parameter
 
 from space_robot_description.validation import parse_yaml_value
-from space_robot_msgs_py.nodes.parameters import LONGEST, from_ros, to_ros
+from space_robot_msgs_py.nodes.parameters import MAX_CHARACTERS, from_ros, to_ros
 
 pytestmark = pytest.mark.ros
 
@@ -23,7 +23,7 @@ def through_ros(value: Any) -> Any:
 
 
 @pytest.mark.parametrize("value", [True, 3, 0.1, "text", [1.0, 2.0], ["a", "b"], [True, False]])
-def test_a_value_comes_back_as_it_was(value: Any) -> None:
+def test_a_parameter_value_round_trips(value: Any) -> None:
     """What has a type in ROS goes through its message and is the same value of the same type."""
     back = through_ros(value)
     assert (back, type(back)) == (value, type(value))
@@ -45,5 +45,5 @@ def test_arrays_are_plain_lists() -> None:
 
 def test_long_values_are_not_spelt_out() -> None:
     """A recorded reference says how many numbers it has, a long text is cut."""
-    assert to_ros([0.0] * LONGEST) == f"{LONGEST} numbers"
-    assert len(to_ros({"key": "x" * 3 * LONGEST})) <= LONGEST + 3
+    assert to_ros([0.0] * MAX_CHARACTERS) == f"{MAX_CHARACTERS} numbers"
+    assert len(to_ros({"key": "x" * 3 * MAX_CHARACTERS})) <= MAX_CHARACTERS + 3

@@ -74,7 +74,7 @@ def spinning(monkeypatch: pytest.MonkeyPatch, service: LateService) -> Iterator[
 
 @pytest.mark.parametrize("heard_at", [1, 2, 5])
 def test_a_reply_is_sent_until_its_client_hears_it(monkeypatch: pytest.MonkeyPatch, heard_at: int) -> None:
-    """However late the client is discovered, it gets its reply, once, and the warning of rclpy reaches nobody."""
+    """However late the client is discovered, it gets its reply, once, and the warning of rclpy is not shown."""
     service = LateService(heard_at)
     with spinning(monkeypatch, service) as (_, until):
         service.send_response("reply", "header")

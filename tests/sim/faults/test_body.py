@@ -1,4 +1,4 @@
-"""Faults of the body: which robot flies when."""
+"""Faults of the body: which robot runs when."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.modes.headless import fly_in_memory
+from space_robot_bringup.modes.headless import run_in_memory
 
 T = 250_000_000
 PAYLOAD = {"mass": 2.0, "inertia": [0.01, 0.02, 0.03], "com": [0.0, 0.0, 0.1]}
@@ -22,7 +22,7 @@ def composed(*faults: dict[str, Any], **plant: Any) -> Composition:
 
 
 def masses(composition: Composition) -> dict[int, float]:
-    """Mass of the robot that flies from a tick on [kg]."""
+    """Mass of the true robot from a tick on [kg]."""
     robots = {0: composition.truth, **dict(composition.changes)}
     return {stamp // T: sum(inertia.mass for inertia in robot.model.inertias) for stamp, robot in robots.items()}
 
@@ -35,7 +35,7 @@ def test_a_payload_comes_and_goes() -> None:
 
 
 def test_what_is_lost_was_held_before() -> None:
-    """A payload of the start, one captured in flight and one of a fault are lost; one that comes later is not."""
+    """A payload of the start, one captured during the run and one of a fault are lost; one that comes later is not."""
     capture = {"time": 1.0, "payload": PAYLOAD | {"mass": 4.0}}
     faults = (
         {"kind": "payload_lost", "at": 2.0},
@@ -65,6 +65,6 @@ def test_inertia_changes_by_its_factor() -> None:
     before, after = composition.truth.model.inertias[1], robot.model.inertias[1]
     assert after.mass == pytest.approx(0.8 * before.mass)
     np.testing.assert_allclose(after.inertia, 0.8 * before.inertia)
-    for tick in fly_in_memory(composition).ticks:
+    for tick in run_in_memory(composition).ticks:
         assert tick.sample.telemetry["momentum_residual"].max() < 1e-12
         assert tick.sample.telemetry["energy_residual"].max() < 1e-12

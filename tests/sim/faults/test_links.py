@@ -10,7 +10,7 @@ import pytest
 
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.modes.headless import fly_in_memory
+from space_robot_bringup.modes.headless import run_in_memory
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_sim.faults.base import FaultSite
 from space_robot_sim.faults.plan import FaultPlan, plan_faults
@@ -45,7 +45,7 @@ def arrived(*faults: Any, steps: int = 20) -> list[int | None]:
 def flown(*faults: dict[str, Any], **overrides: Any) -> list[Tick]:
     """The orientation task of `mini` for 5 s."""
     keys = {"duration": 5.0, "faults": list(faults)} | overrides
-    sink = fly_in_memory(compose(load_experiment("liu2023/fig08", keys)))
+    sink = run_in_memory(compose(load_experiment("liu2023/fig08", keys)))
     assert sink.end_reason == "completed"
     return sink.ticks
 

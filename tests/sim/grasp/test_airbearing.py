@@ -38,7 +38,7 @@ def push(force: float = 0.0, torque: float = 0.0) -> Command:
     return Command(0, np.array([force, 0.0, 0.0, 0.0, 0.0, torque]), np.zeros(3))
 
 
-def fly(plant: AirbearingTestbed, commands: list[Command]) -> list[PlantSample]:
+def simulate(plant: AirbearingTestbed, commands: list[Command]) -> list[PlantSample]:
     return [plant.reset(), *(plant.step(command) for command in commands)]
 
 
@@ -50,7 +50,7 @@ def yaw(sample: PlantSample) -> float:
 def test_balance_closes_within_the_bounds_of_every_run() -> None:
     """Pushed, slipping and disturbed, the testbed balances momentum to 1e-9 and energy to 1e-8."""
     commands = [push(0.1 * np.sign(np.cos(0.05 * k)), 0.1 * np.sign(np.cos(0.07 * k))) for k in range(600)]
-    samples = fly(bench(), commands)
+    samples = simulate(bench(), commands)
     for label, bound in (("momentum_residual", 1e-9), ("energy_residual", 1e-8), ("quaternion_residual", 1e-12)):
         assert max(sample.telemetry[label].max() for sample in samples) < bound
     assert max(abs(sample.telemetry["true_configuration"][9]) for sample in samples) > np.radians(1.5)
@@ -58,28 +58,28 @@ def test_balance_closes_within_the_bounds_of_every_run() -> None:
 
 def test_a_held_second_body_moves_along() -> None:
     """Below the slip torque the pair gathers the momentum of 240 kg and turns as 160.6 kg m2 do."""
-    along = fly(bench(**CALM), [push(force=0.1)] * 300)[-1].telemetry
+    along = simulate(bench(**CALM), [push(force=0.1)] * 300)[-1].telemetry
     np.testing.assert_allclose(np.linalg.norm(along["momentum"][:3]), 0.1 * 30.0, rtol=1e-9)
-    turned = fly(bench(**CALM, flywheel={"lag": 0.0}), [push(torque=0.05)] * 300)[-1].telemetry
+    turned = simulate(bench(**CALM, flywheel={"lag": 0.0}), [push(torque=0.05)] * 300)[-1].telemetry
     assert turned["wheel_momentum"][2] == pytest.approx(-1.5, rel=1e-9)
     assert np.abs(turned["momentum"][3:]).max() < 1e-12
     assert turned["true_velocity"][5] == pytest.approx(1.5 / 160.6, rel=0.1)
 
 
-def test_nothing_leaves_the_table() -> None:
+def test_testbed_motion_stays_in_the_plane() -> None:
     """Height, roll and pitch stay zero to the bit, also under commands that point out of the plane."""
     wild = Command(0, np.array([0.1, 0.1, 5.0, 3.0, -2.0, 0.1]), np.array([1.0, 2.0, 3.0]))
-    samples = fly(bench(), [wild] * 100)
+    samples = simulate(bench(), [wild] * 100)
     for sample in samples:
         q = sample.telemetry["true_configuration"]
         assert q[2:5].tolist() == [0.0, 0.0, 0.0]
     assert samples[-1].telemetry["command_ignored"][0] == 1.0
-    assert fly(bench(), [push(0.05, 0.05)])[-1].telemetry["command_ignored"][0] == 0.0
+    assert simulate(bench(), [push(0.05, 0.05)])[-1].telemetry["command_ignored"][0] == 0.0
 
 
 def test_the_grasp_slips_at_its_torque_and_keeps_the_angle() -> None:
     """The torsion never exceeds the slip torque plus its damping, and the configuration changes by some degrees."""
-    samples = fly(bench(), [push(torque=0.1)] * 60 + [push(torque=-0.1)] * 60 + [push()] * 300)
+    samples = simulate(bench(), [push(torque=0.1)] * 60 + [push(torque=-0.1)] * 60 + [push()] * 300)
     torque = np.array([sample.telemetry["grasp_effort"][2] for sample in samples])
     rate = np.array([sample.telemetry["true_velocity"][8] for sample in samples])
     assert (np.abs(torque) <= 0.042 + 2.0 * np.abs(rate) + 1e-9).all()
@@ -103,14 +103,14 @@ def test_a_small_push_is_held_elastically() -> None:
 
 def test_grasp_work_is_stored_or_lost_never_made() -> None:
     """After every command has ended, kinetic plus elastic energy only falls."""
-    samples = fly(bench(**CALM), [push(0.1, 0.1)] * 50 + [push()] * 300)[60:]
+    samples = simulate(bench(**CALM), [push(0.1, 0.1)] * 50 + [push()] * 300)[60:]
     total = [float(sample.telemetry["energy"][0] + sample.telemetry["grasp_energy"][0]) for sample in samples]
     assert (np.diff(total) <= 1e-12).all()
 
 
 def test_cameras_see_late_and_noisy_positions_only() -> None:
     """The reading is the truth of 0.1 s ago plus noise of the given size; velocities are its differences."""
-    samples = fly(bench(camera={"outlier_share": 0.0}), [push(0.1)] * 400)
+    samples = simulate(bench(camera={"outlier_share": 0.0}), [push(0.1)] * 400)
     truth = np.array([sample.telemetry["true_configuration"][0] for sample in samples])
     seen = np.array([sample.state.q[0] for sample in samples])
     assert np.std(seen[1:] - truth[:-1]) == pytest.approx(3e-4, rel=0.15)
@@ -137,17 +137,17 @@ def test_distortions_come_as_often_as_asked_and_do_not_shift_each_other() -> Non
     assert 0.85 < kept.mean() < 0.95
 
 
-def test_one_seed_one_flight() -> None:
+def test_a_testbed_run_is_a_function_of_its_seed() -> None:
     """The same seed gives the same bits, another seed another disturbance and other noise."""
     commands = [push(0.05, 0.02)] * 20
-    first, again, other = (fly(bench(seed=seed), commands)[-1] for seed in (4, 4, 5))
+    first, again, other = (simulate(bench(seed=seed), commands)[-1] for seed in (4, 4, 5))
     assert blocks_equal((first.state.q, first.telemetry.data), (again.state.q, again.telemetry.data))
     assert not blocks_equal((first.telemetry.data,), (other.telemetry.data,))
 
 
 def test_the_flywheel_lags_saturates_and_fills() -> None:
     """The torque follows with its lag, a command beyond the limit is flagged, a full wheel takes no more."""
-    samples = fly(bench(**CALM), [push(torque=0.3)] * 600)
+    samples = simulate(bench(**CALM), [push(torque=0.3)] * 600)
     assert 0.0 < samples[1].telemetry["applied_wrench"][5] < 0.05
     assert samples[20].telemetry["applied_wrench"][5] == pytest.approx(0.1, rel=1e-3)
     assert samples[20].telemetry["saturation"].tolist() == [0, 0, 0, 0, 0, 1, 0, 0, 0]
@@ -155,7 +155,7 @@ def test_the_flywheel_lags_saturates_and_fills() -> None:
     assert abs(samples[-1].telemetry["applied_wrench"][5]) < 1e-3
 
 
-def test_what_is_no_testbed_is_refused() -> None:
+def test_a_bad_testbed_configuration_is_refused() -> None:
     """Another robot, an initial state off the table, a period that does not divide, a command for other joints."""
     with pytest.raises(SpecError, match="does not lie on the table"):
         bench(load_robot("servicer"))

@@ -37,7 +37,7 @@ def captured(
     return CapturedDebris(load_robot("pccs"), model, RunConditions(period, InitialState(q, v)))
 
 
-def fly(plant: CapturedDebris, wrench: tuple[float, ...], periods: int) -> list[PlantSample]:
+def simulate(plant: CapturedDebris, wrench: tuple[float, ...], periods: int) -> list[PlantSample]:
     command = Command(0, np.array(wrench), np.zeros(3))
     return [plant.reset(), *(plant.step(command) for _ in range(periods))]
 
@@ -49,7 +49,7 @@ def worst(samples: list[PlantSample], label: str) -> float:
 @pytest.mark.parametrize("orbit", [None, {"radius": 6.878e6}])
 def test_momentum_and_energy_balance(orbit: dict[str, float] | None) -> None:
     """Pushed, turned and shifted, in free space and in orbit, momentum and energy are what was booked."""
-    samples = fly(captured((5.0, -3.0, 1.0), change=CHANGE, orbit=orbit), (20.0, -10.0, 5.0, 4.0, -3.0, 6.0), 200)
+    samples = simulate(captured((5.0, -3.0, 1.0), change=CHANGE, orbit=orbit), (20.0, -10.0, 5.0, 4.0, -3.0, 6.0), 200)
     assert worst(samples, "momentum_residual") < 1e-9
     assert worst(samples, "energy_residual") < 1e-8
     assert np.abs(samples[-1].telemetry["true_velocity"]).max() > 0.01
@@ -57,7 +57,7 @@ def test_momentum_and_energy_balance(orbit: dict[str, float] | None) -> None:
 
 def test_without_a_push_nothing_from_outside_happens() -> None:
     """A shift of the grasp moves the bodies against each other and neither the momentum nor its centre."""
-    samples = fly(captured(change=CHANGE), (0.0,) * 6, 300)
+    samples = simulate(captured(change=CHANGE), (0.0,) * 6, 300)
     assert worst(samples, "momentum_residual") < 1e-9
     assert np.abs(samples[-1].telemetry["momentum"]).max() < 1e-6
     np.testing.assert_allclose(samples[-1].state.joints[[0, 2]], [0.08, np.radians(14.0)], rtol=0.05)
@@ -65,9 +65,9 @@ def test_without_a_push_nothing_from_outside_happens() -> None:
 
 def test_the_grasp_slips_only_beyond_its_torque() -> None:
     """A gentle turn leaves the debris where it was held, a hard one about its axis turns it in the grasp."""
-    gentle = fly(captured(), (0, 0, 0, 2.0, 0, 0), 100)[-1].state.joints[2]
+    gentle = simulate(captured(), (0, 0, 0, 2.0, 0, 0), 100)[-1].state.joints[2]
     slippery = GRASP | {"torsional_stiffness": 100.0, "torsional_damping": 1.0, "slip_torque": 0.5}
-    hard = fly(captured(grasp=slippery), (0, 0, 0, 20.0, 0, 0), 100)[-1].state.joints[2]
+    hard = simulate(captured(grasp=slippery), (0, 0, 0, 20.0, 0, 0), 100)[-1].state.joints[2]
     assert abs(gentle) < 1e-3
     assert abs(hard) > 10.0 * abs(gentle)
 
@@ -86,7 +86,7 @@ def test_in_orbit_a_free_robot_follows_kepler(higher: float) -> None:
         "slip_torque": 1.0,
     }
     start, speed = (higher, 0.0, 0.0), (0.0, other * n_other - r * n, 0.0)
-    samples = fly(captured(start, speed, 10_000_000_000, grasp=loose, orbit={}, step=1.0), (0.0,) * 6, 60)
+    samples = simulate(captured(start, speed, 10_000_000_000, grasp=loose, orbit={}, step=1.0), (0.0,) * 6, 60)
     for k, sample in enumerate(nonempty(samples)):
         t = 10.0 * k
         own, virtual = (size * np.array([np.cos(w * t), np.sin(w * t)]) for size, w in ((other, n_other), (r, n)))
@@ -123,7 +123,7 @@ def test_the_attitude_is_kept_while_the_grasp_shifts() -> None:
     assert np.degrees(max(errors)) < 0.1
 
 
-def test_what_cannot_be_flown_is_refused() -> None:
+def test_what_cannot_be_simulated_is_refused() -> None:
     """A robot without the grasp's joints, one that turns by wheels, a period that does not divide."""
     base = "{law: none}"
     with pytest.raises(SpecError, match=r"plant\.grasp\.joints"):

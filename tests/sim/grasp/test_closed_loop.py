@@ -21,10 +21,10 @@ from space_robot_msgs_py.interfaces import Command, RobotState, Telemetry, Tick
 CASES = ("attitude_6_85", "attitude_1_7", "position_1036", "position_874")
 
 
-def fly(
+def simulate(
     name: str, *overrides: str, sees: Callable[[int, RobotState], RobotState] = lambda k, state: state
 ) -> tuple[RunMetrics, Telemetry]:
-    """Fly a shipped experiment without a log; ``sees`` stands between sensors and law."""
+    """Run a shipped experiment without a log; ``sees`` stands between sensors and law."""
     experiment = load_experiment(f"song2023/{name}", overrides)
     parts = compose(experiment)
     plant, law, reference = parts.plant(), parts.controller(), parts.reference()
@@ -53,7 +53,7 @@ def settling(metrics: RunMetrics, axis: str) -> float | None:
 @pytest.mark.parametrize("suffix", ["", "_pd"])
 def test_the_four_cases_settle(case: str, suffix: str) -> None:
     """With the documented settings model-free control and PD reach 0.2 deg or 10 mm and stay, on a fresh seed."""
-    metrics, _ = fly(case + suffix, "seed=101", "duration=100.0")
+    metrics, _ = simulate(case + suffix, "seed=101", "duration=100.0")
     time = settling(metrics, "base/yaw" if case.startswith("attitude") else "base/x")
     assert time is not None
     assert time < 75.0
@@ -73,13 +73,13 @@ def test_a_frozen_sensor_and_five_percent_outliers_are_survived() -> None:
         last[:] = [state]
         return state
 
-    metrics, telemetry = fly("attitude_6_85", "plant.camera.outlier_share=0.05", sees=stuck)
+    metrics, telemetry = simulate("attitude_6_85", "plant.camera.outlier_share=0.05", sees=stuck)
     assert settling(metrics, "base/yaw") is not None
     assert metrics.flat()["base/yaw.final_error"] < 0.2  # type: ignore[operator]
     assert telemetry["gate_count"][0] > 20
 
 
-def core_flight(spoil: Callable[[int, float], float]) -> float:
+def core_run(spoil: Callable[[int, float], float]) -> float:
     """Largest |angle| [rad] of the last ten seconds of filter and core law on a rigid testbed, samples spoilt."""
     inertia, period, lead = 160.6, 0.1, 8.0
     measured = GatedFilter(period, 3.0, np.array([np.radians(0.5)]), 20)
@@ -98,9 +98,9 @@ def core_flight(spoil: Callable[[int, float], float]) -> float:
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 1e9])
-def test_a_sample_that_is_not_finite_does_not_make_it_diverge(bad: float) -> None:
+def test_a_non_finite_sample_does_not_make_the_estimator_diverge(bad: float) -> None:
     """One sample in ten not finite or absurd, and the angle still ends within 0.2 degrees."""
-    assert core_flight(lambda k, y: bad if k % 10 == 7 else y) < np.radians(0.2)
+    assert core_run(lambda k, y: bad if k % 10 == 7 else y) < np.radians(0.2)
 
 
 def test_a_run_that_is_not_finite_never_counts_as_settled() -> None:
@@ -113,9 +113,9 @@ STIFF = "plant.grasp={stiffness: 1.0e5, damping: 1.0e3, torsional_stiffness: 4.0
 
 
 @pytest.mark.slow
-def test_five_seconds_of_push_tell_the_inertia_of_a_stiff_pair() -> None:
+def test_five_seconds_of_push_identify_the_inertia_of_a_stiff_pair() -> None:
     """Held firmly, the pair's inertia comes out of five seconds of camera samples to about ten percent, as stated."""
-    _, telemetry = fly(
+    _, telemetry = simulate(
         "initial_online",
         "duration=6.0",
         "controller.gains.initial={source: push, seconds: 5.0, level: 1.0}",
@@ -128,7 +128,7 @@ def test_five_seconds_of_push_tell_the_inertia_of_a_stiff_pair() -> None:
 
 def test_a_slipping_grasp_shows_a_lighter_body() -> None:
     """At full torque the grasp slips and five seconds show the servicer more than the pair: the gain is too large."""
-    _, telemetry = fly(
+    _, telemetry = simulate(
         "initial_online", "duration=6.0", "controller.gains.initial={source: push, seconds: 5.0, level: 1.0}"
     )
     assert telemetry["initial_gain"][0] > 2.0 / 160.6
@@ -143,8 +143,8 @@ def test_the_baseline_stands_beside_every_case() -> None:
         assert {f"song2023/{case}", f"song2023/{case}_printed", f"song2023/{case}_pd"} <= names
 
 
-def test_a_flight_is_a_function_of_its_seed() -> None:
+def test_a_run_is_a_function_of_its_seed() -> None:
     """The same experiment and seed give the same bits."""
     first: Any
-    first, again = (fly("attitude_6_85", "duration=5.0")[1].data.tobytes() for _ in range(2))
+    first, again = (simulate("attitude_6_85", "duration=5.0")[1].data.tobytes() for _ in range(2))
     assert first == again

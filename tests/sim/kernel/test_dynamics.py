@@ -19,7 +19,7 @@ from space_robot_sim.kernel.aba import forward_dynamics
 from space_robot_sim.kernel.arrays import robot_arrays
 from space_robot_sim.kernel.articulated import WORKSPACE
 from space_robot_sim.kernel.momentum import balance
-from space_robot_sim.kernel.period import fly
+from space_robot_sim.kernel.period import advance
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from tests.support.paths import ROOT
 from tests.support.robots import arm_model, random_model, random_state, robot_of
@@ -111,7 +111,7 @@ def test_refuses_other_models(spoil: Any, message: str) -> None:
 @pytest.mark.skipif(not jit.COMPILED, reason="numba is not installed")
 def test_cache_watches_every_kernel_file() -> None:
     """The cached machine code of an entry is tied to the digest of all kernel sources, not to one file's date."""
-    compiled: Any = fly
+    compiled: Any = advance
     assert compiled._cache._cache_file._source_stamp == jit.digest(compiled.py_func)
 
 
@@ -192,8 +192,8 @@ except ValueError as error:
 """
 
 
-def test_flies_without_numba() -> None:
-    """Without numba everything imports, flies over pinocchio to the same state, and refuses only `kernel: numba`."""
+def test_runs_without_numba() -> None:
+    """Without numba everything imports, runs over pinocchio to the same state, and refuses only `kernel: numba`."""
     done = subprocess.run([sys.executable, "-c", WITHOUT_NUMBA], capture_output=True, text=True, check=True, cwd=ROOT)
     numbers, refusal = done.stdout.splitlines()
     state = InitialState(*random_state(np.random.default_rng(0), 7, 0.05))

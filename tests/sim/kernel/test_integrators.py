@@ -15,7 +15,7 @@ from space_robot_msgs_py.interfaces import Command
 from space_robot_sim.kernel.steps import STEP_BOUND
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, A, B, C
 from space_robot_sim.plant import InitialState, SimulatedRobot
-from space_robot_sim.spec import MOST_STEPS, IntegratorSpec
+from space_robot_sim.spec import MAX_STEPS, IntegratorSpec
 from tests.support.robots import arm_model, random_model, random_state, robot_of
 
 SECOND = 1_000_000_000
@@ -67,7 +67,7 @@ def test_dop853_meets_its_order_conditions() -> None:
         assert _defect(B - error, order + 1) > 1e-6
 
 
-def _fly(spec: IntegratorSpec, *, period: int, periods: int) -> np.ndarray:
+def _advance_kernel(spec: IntegratorSpec, *, period: int, periods: int) -> np.ndarray:
     """The configuration of a lively robot after some seconds under held efforts."""
     robot = robot_of(random_model(np.random.default_rng(5), 4, serial=True, kinds=("RX", "RY", "RZ")))
     initial = InitialState(*random_state(np.random.default_rng(2), 4, 0.3))
@@ -81,9 +81,9 @@ def _fly(spec: IntegratorSpec, *, period: int, periods: int) -> np.ndarray:
 @pytest.mark.parametrize(("kind", "order", "steps"), [("rk4", 4, (0.05, 0.025)), ("dop853", 8, (0.5, 0.25))])
 def test_order_of_convergence(kind: str, order: int, steps: tuple[float, float]) -> None:
     """Halving the step divides the error by 2^order."""
-    exact = _fly(IntegratorSpec(kind="dop853", step=0.02), period=SECOND // 2, periods=6)
+    exact = _advance_kernel(IntegratorSpec(kind="dop853", step=0.02), period=SECOND // 2, periods=6)
     coarse, fine = (
-        np.abs(_fly(IntegratorSpec(kind=kind, step=step), period=SECOND // 2, periods=6) - exact).max()
+        np.abs(_advance_kernel(IntegratorSpec(kind=kind, step=step), period=SECOND // 2, periods=6) - exact).max()
         for step in steps
     )
     assert np.log2(coarse / fine) == pytest.approx(order, abs=0.6)
@@ -91,9 +91,12 @@ def test_order_of_convergence(kind: str, order: int, steps: tuple[float, float])
 
 def test_adaptive_steps_keep_their_tolerance() -> None:
     """The adaptive result is as good as its tolerance asks, and a tighter one is better."""
-    exact = _fly(IntegratorSpec(kind="dop853", step=0.02), period=SECOND // 2, periods=6)
+    exact = _advance_kernel(IntegratorSpec(kind="dop853", step=0.02), period=SECOND // 2, periods=6)
     loose, tight = (
-        np.abs(_fly(IntegratorSpec(kind="dop853_adaptive", rtol=tol, atol=tol), period=SECOND // 2, periods=6) - exact)
+        np.abs(
+            _advance_kernel(IntegratorSpec(kind="dop853_adaptive", rtol=tol, atol=tol), period=SECOND // 2, periods=6)
+            - exact
+        )
         for tol in (1e-5, 1e-10)
     )
     assert loose.max() < 1e-3
@@ -101,10 +104,10 @@ def test_adaptive_steps_keep_their_tolerance() -> None:
 
 
 @pytest.mark.parametrize("kind", ["dop853", "dop853_adaptive", "rk4"])
-def test_fallback_flies_as_the_kernel(kind: str) -> None:
+def test_the_fallback_equals_the_kernel(kind: str) -> None:
     """Over a run the steps over pinocchio and the compiled ones agree to 1e-12."""
     first, second = (
-        _fly(IntegratorSpec(kind=kind, kernel=kernel), period=SECOND // 10, periods=20)
+        _advance_kernel(IntegratorSpec(kind=kind, kernel=kernel), period=SECOND // 10, periods=20)
         for kernel in ("auto", "pinocchio")
     )
     np.testing.assert_allclose(first, second, rtol=0.0, atol=1e-12)
@@ -134,7 +137,7 @@ def test_period_that_does_not_divide_is_refused() -> None:
 
 def test_fixed_and_adaptive_steps_have_one_bound() -> None:
     """What a file may ask for in fixed steps is what the kernel allows in adaptive ones."""
-    assert MOST_STEPS == STEP_BOUND
+    assert MAX_STEPS == STEP_BOUND
 
 
 def test_tolerance_that_cannot_be_kept_is_an_error() -> None:
