@@ -33,10 +33,10 @@ class Turns:
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """What is in the cache; where nothing is, this process compiles it next, and no other does."""
-        found = self._cache.load_overload(sig, target_context)
+        found = self._load(sig, target_context)
         if found is None and self._lock is None:
             self._take()
-            found = self._cache.load_overload(sig, target_context)
+            found = self._load(sig, target_context)
             if found is not None:
                 self._give_back()
         return found
@@ -47,6 +47,15 @@ class Turns:
             self._cache.save_overload(sig, data)
         finally:
             self._give_back()
+
+    def _load(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return self._cache.load_overload(sig, target_context)
+        except Exception:
+            # Numba reads the types of an entry before it looks at how old it is: a class that has got another name
+            # since, or another version of a library, is no reason to fail.
+            self._cache.flush()
+            return None
 
     def _take(self) -> None:
         try:

@@ -23,6 +23,17 @@ from space_robot_description.kernel.jit import kernel
 def call(x):
     return 2.0 * x
 """
+TYPED = """
+from typing import NamedTuple
+from space_robot_description.kernel.jit import kernel
+
+class {name}(NamedTuple):
+    x: float
+
+@kernel
+def call(of):
+    return 2.0 * of.x
+"""
 CALL = """
 import sys
 from made import call
@@ -66,6 +77,18 @@ def test_a_kernel_is_compiled_by_one_of_the_processes_that_need_it(folder: Path)
             process.stdin.flush()
         said = [process.communicate(timeout=DEADLINE) for process in processes]
     assert sorted(out.split() for out, _ in said) == [["3.0", "0"], ["3.0", "0"], ["3.0", "1"]], said
+
+
+def test_a_class_that_was_renamed_makes_a_cache_old_and_not_unusable(folder: Path) -> None:
+    """After an update of the sources, a kernel of a type that has another name now is compiled again."""
+    said = []
+    for name in ("Before", "Before", "After"):
+        (folder / "made.py").write_text(TYPED.format(name=name))
+        with ended(
+            [python(folder, CALL.replace("call(1.5)", f"call({name}(1.5))", 1).replace("call\n", "*\n", 1))]
+        ) as (process,):
+            said.append(process.communicate("go\n", timeout=DEADLINE))
+    assert [out.split()[1:] for out, _ in said] == [["3.0", "1"], ["3.0", "0"], ["3.0", "1"]], said
 
 
 def test_the_turn_of_a_killed_process_goes_to_the_next(folder: Path) -> None:
