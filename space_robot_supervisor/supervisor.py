@@ -68,7 +68,7 @@ class Supervisor:
             monitor.reset()
 
     @property
-    def flies(self) -> ModeSpec:
+    def active(self) -> ModeSpec:
         """What runs in the mode."""
         return self._table.modes[self.mode]
 
@@ -103,12 +103,12 @@ class Supervisor:
 
     def _enter(self, now: Snapshot) -> None:
         self._entered = True
-        self._frozen = now.state.q if self.flies.reference == "here" else now.reference.q
+        self._frozen = now.state.q if self.active.reference == "here" else now.reference.q
         for monitor in self._monitors:
             monitor.enter()
 
     def _reference(self, reference: Reference) -> Reference:
-        if self.flies.reference == "follow":
+        if self.active.reference == "follow":
             return reference
         still = np.zeros(reference.v.size)
         return Reference(reference.stamp, self._frozen, still, still)

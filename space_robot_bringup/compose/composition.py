@@ -77,8 +77,8 @@ class Composition:
     @property
     def optional_topics(self) -> tuple[Topic, ...]:
         """The topics that only some runs have and this one does."""
-        told = {EVENTS: self.experiment.supervision, FAULTS: self.faults, PLANT_EVENTS: self.experiment.plant.monitor}
-        return tuple(topic for topic, asked in told.items() if asked is not None)
+        wanted = {EVENTS: self.experiment.supervision, FAULTS: self.faults, PLANT_EVENTS: self.experiment.plant.monitor}
+        return tuple(topic for topic, section in wanted.items() if section is not None)
 
     @property
     def loses_commands(self) -> bool:

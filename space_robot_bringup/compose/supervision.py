@@ -62,7 +62,7 @@ class SupervisedController(Switching):
         known = Snapshot(state, reference, command, telemetry, self.wheels.momentum)
         found = self._supervisor.update(known)
         # Whatever else was asked for: the mode decides.
-        self.switch_to(self._first_law if self._supervisor.flies.law == CONTROLLER else found.mode)
+        self.switch_to(self._first_law if self._supervisor.active.law == CONTROLLER else found.mode)
         output = super().control(state, found.reference)
         self._output = replace(output, supervision=found.events)
         return self._output

@@ -109,7 +109,9 @@ def make_graph(
         for role in ROLES:
             options: dict[str, Any] = {"mode": "graph", "context": context, **LIGHT}
             made[role] = make_node(role, composition, directory, realtime=realtime, **options)
-        bring_up(made.values())
+            # One after the other: a command then reaches the recorder, whose subscriptions are older, before the
+            # simulator, and what acted is in the log when the process is killed in the next instant.
+            bring_up([made[role]])
     except BaseException as error:
         if "recorder" in made:
             made["recorder"].finish(error.reason if isinstance(error, Interrupted) else f"not started: {error}")

@@ -194,7 +194,7 @@ def events_of(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, 
 
 
 def plant_events(sample: PlantSample) -> list[tuple[Topic, tuple[DiagnosticEvent, ...]]]:
-    """The events of a sample by the topic they are told on, where there are any."""
+    """The events of a sample by the topic they are published on, where there are any."""
     return [(topic, events) for topic, events in ((FAULTS, sample.faults), (PLANT_EVENTS, sample.events)) if events]
 
 

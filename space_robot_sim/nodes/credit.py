@@ -15,7 +15,7 @@ class Credit:
     """What a recorder gave for this run.
 
     Within a run credit only grows. That of the run before, of which some may still be under way when it was reset, is
-    told by that, too: a recorder begins again with its smallest one, and until then nothing counts.
+    recognised by that, too: a recorder begins again with its smallest one, and until then nothing counts.
 
     Args:
         node: the simulator, which refuses what is no credit.

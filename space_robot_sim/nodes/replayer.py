@@ -110,7 +110,7 @@ class ReplayerNode(GraphNode):
             self._on_answer()
 
     def reset(self) -> None:
-        """Begin again with the first tick; every node is told.
+        """Begin again with the first tick; every node is notified.
 
         Raises:
             CommandError: the run is over.

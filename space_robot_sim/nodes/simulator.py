@@ -196,7 +196,7 @@ class SimulatorNode(ManagedNode):
         )
 
     def _set_back(self, sample: PlantSample) -> None:
-        """Begin a run, which is told to all nodes; the first one of this node is waited for by its recorder anyway."""
+        """Begin a run, which is announced to all nodes; the recorder waits for the first one of this node anyway."""
         if self.started:
             self._run = replace(self._run, number=self._run.number + 1)
             self.runs[self._run.run] = self._run.number

@@ -19,9 +19,10 @@ Parts = dict[Topic, bytes]
 class TickParts:
     """Collects the messages of each stamp of a run.
 
-    One message that should not be there is not told from the others by its sender, but by its time. Before the plant
-    has reached a stamp, which is when its state and telemetry are complete, the newest message of a topic counts, for a
-    stranger's came before its time; afterwards the first. References are sent ahead, and their first counts.
+    One message that should not be there is distinguished from the others by its time, not by its sender. Before the
+    plant has reached a stamp, which is when its state and telemetry are complete, the newest message of a topic
+    counts, for a stranger's came before its time; afterwards the first. References are sent ahead, and their first
+    counts.
 
     Args:
         period: control period [ns].

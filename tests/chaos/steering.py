@@ -191,7 +191,7 @@ class Driver:
         self.robot.spin_until(condition, "a transition")
 
 
-def fly_case(case: Case, folder: Path) -> None:
+def run_case(case: Case, folder: Path) -> None:
     """Do a sequence, bring the run to its end and look at its logs.
 
     Raises:
@@ -230,7 +230,7 @@ def failure_of(seed: int, index: int) -> str:
     case = make_case(seed, index)
     with TemporaryDirectory() as folder:
         try:
-            fly_case(case, Path(folder))
+            run_case(case, Path(folder))
         except Exception as error:
             return f"case {index}: {type(error).__name__}: {error}\n  {case}"
     return ""

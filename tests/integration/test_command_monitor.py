@@ -34,9 +34,9 @@ def test_what_was_refused_is_in_the_log_and_replays(tmp_path: Path, delay: int) 
     logged(tmp_path, **{"plant.delay_periods": delay})
     reader = LogReader(tmp_path / "run")
     ticks = list(reader.ticks())
-    told = [(tick.stamp, event) for tick in ticks for event in tick.sample.events]
-    refused = [(stamp, dict(event.values)) for stamp, event in told if event.name == "command refused"]
-    assert {event.name for _, event in told} == {"command refused", "command clipped"}
+    reported = [(tick.stamp, event) for tick in ticks for event in tick.sample.events]
+    refused = [(stamp, dict(event.values)) for stamp, event in reported if event.name == "command refused"]
+    assert {event.name for _, event in reported} == {"command refused", "command clipped"}
     assert [int(values["count"]) for _, values in refused] == list(range(1, len(refused) + 1))
     acted = {int(tick.sample.telemetry["command_stamp"][0]) for tick in ticks}
     assert all(int(values["stamp"]) == stamp - 250_000_000 for stamp, values in refused)

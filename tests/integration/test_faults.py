@@ -74,17 +74,17 @@ def test_the_log_tells_when_faults_begin_and_end(tmp_path: Path) -> None:
     """Topic `faults` has each onset and end at its tick, in the file and in its description."""
     logged(tmp_path)
     reader = LogReader(tmp_path / "run")
-    told = [(stamp, decode_statuses(raw)) for topic, stamp, raw in reader.messages() if topic == "faults"]
-    assert [stamp for stamp, _ in told] == sorted({stamp for stamp, _ in told})
-    begun = {one.name: stamp / 1e9 for stamp, events in told for one in events if one.message == "begins"}
-    ended = {one.name: stamp / 1e9 for stamp, events in told for one in events if one.message == "ends"}
+    reported = [(stamp, decode_statuses(raw)) for topic, stamp, raw in reader.messages() if topic == "faults"]
+    assert [stamp for stamp, _ in reported] == sorted({stamp for stamp, _ in reported})
+    begun = {one.name: stamp / 1e9 for stamp, events in reported for one in events if one.message == "begins"}
+    ended = {one.name: stamp / 1e9 for stamp, events in reported for one in events if one.message == "ends"}
     assert len(begun) == len(FAULTS)
     assert begun["joint_stuck joint2"] == 2.0
     assert ended["joint_stuck joint2"] == 5.0
     assert begun["wheel_effectiveness wheel1"] == 3.25
     assert "wheel_effectiveness wheel1" not in ended
     assert reader.header.topics == ("faults",)
-    assert [tick.sample.faults for tick in reader.ticks() if tick.sample.faults] == [events for _, events in told]
+    assert [tick.sample.faults for tick in reader.ticks() if tick.sample.faults] == [events for _, events in reported]
 
 
 def test_a_log_without_faults_has_no_trace_of_them(tmp_path: Path) -> None:

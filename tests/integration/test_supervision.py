@@ -43,14 +43,14 @@ def modes(ticks: list[Tick]) -> list[tuple[float, str]]:
 
 
 def test_a_push_leads_to_safe_and_on_to_hold(tmp_path: Path) -> None:
-    """The rate is seen, the mode changes, the damper brings it down, the robot holds where it is; all of it is told."""
+    """The rate is seen, the mode changes, the damper brings it down, the robot holds where it is; all is reported."""
     logged(tmp_path)
     ticks = list(LogReader(tmp_path / "run").ticks())
     changes = modes(ticks)
     assert [change for _, change in changes] == ["NOMINAL -> SAFE", "SAFE -> HOLD"]
     assert 8.0 < changes[0][0] < 10.0
-    told = [one.name for tick in ticks for one in tick.output.supervision if one.message == "fires"]
-    assert told == ["tumbling", "still", "gyro_frozen"]
+    reported = [one.name for tick in ticks for one in tick.output.supervision if one.message == "fires"]
+    assert reported == ["tumbling", "still", "gyro_frozen"]
     rates = np.array([np.linalg.norm(tick.sample.telemetry["true_velocity"][3:6]) for tick in ticks])
     assert rates.max() > 0.3
     assert rates[-1] < 0.01

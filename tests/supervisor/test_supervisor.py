@@ -50,7 +50,7 @@ def watched(one: Supervisor, rates: list[float]) -> list[Supervision]:
     return [one.update(snapshot(tick, rate)) for tick, rate in enumerate(rates)]
 
 
-def told(found: list[Supervision], name: str) -> list[tuple[int, str]]:
+def reported(found: list[Supervision], name: str) -> list[tuple[int, str]]:
     """(tick, message) of the events of that name."""
     return [(tick, event.message) for tick, one in enumerate(found) for event in one.events if event.name == name]
 
@@ -58,8 +58,8 @@ def told(found: list[Supervision], name: str) -> list[tuple[int, str]]:
 def test_a_monitor_fires_when_its_condition_has_held_long_enough() -> None:
     """Three periods in a row above, not two and one later; the mode changes at that tick, with an event for each."""
     found = watched(supervisor(FAST | {"for": 3, "severity": "high"}), [2, 2, 0, 2, 2, 2, 0])
-    assert told(found, "fast") == [(5, "fires")]
-    assert told(found, "mode") == [(5, "NOMINAL -> SAFE")]
+    assert reported(found, "fast") == [(5, "fires")]
+    assert reported(found, "mode") == [(5, "NOMINAL -> SAFE")]
     assert [one.mode for one in found] == ["NOMINAL"] * 5 + ["SAFE"] * 2
     fires, mode = found[5].events
     assert (fires.level, mode.level, fires.stamp) == (ERROR, ERROR, 5)
@@ -72,7 +72,7 @@ def test_hysteresis_keeps_a_monitor_from_chattering() -> None:
     """Around the threshold it fires once; it clears below threshold less hysteresis, and may then fire again."""
     row = {"name": "fast", "value": "base.rate", "above": 1.0, "hysteresis": 0.2}
     found = watched(supervisor(row, modes={"NOMINAL": {}}), [1.1, 0.9, 1.1, 0.9, 0.7, 0.9, 1.1])
-    assert told(found, "fast") == [(0, "fires"), (4, "clears"), (6, "fires")]
+    assert reported(found, "fast") == [(0, "fires"), (4, "clears"), (6, "fires")]
     assert [event.level for one in found for event in one.events] == [WARN, OK, WARN]
 
 
@@ -80,25 +80,25 @@ def test_inhibition_silences_a_monitor_after_it_fired() -> None:
     """For so many periods it neither fires nor clears."""
     row = {"name": "fast", "value": "base.rate", "above": 1.0, "inhibit_after": 3}
     found = watched(supervisor(row, modes={"NOMINAL": {}}), [2, 0, 2, 0, 0, 2])
-    assert told(found, "fast") == [(0, "fires"), (4, "clears"), (5, "fires")]
+    assert reported(found, "fast") == [(0, "fires"), (4, "clears"), (5, "fires")]
 
 
 def test_a_frozen_reading_is_unchanged() -> None:
     """The same number, to the bit, so many times in a row."""
     row = {"name": "frozen", "value": "rate.z", "unchanged": True, "for": 2}
     found = watched(supervisor(row, modes={"NOMINAL": {}}), [0.1, 0.2, 0.2, 0.2, 0.3, 0.3])
-    assert told(found, "frozen") == [(3, "fires"), (4, "clears")]
+    assert reported(found, "frozen") == [(3, "fires"), (4, "clears")]
 
 
 def test_a_band_has_two_edges() -> None:
     """Above and below together are outside of a band."""
     row = {"name": "outside", "value": "rate.z", "above": 1.0, "below": -1.0}
     found = watched(supervisor(row, modes={"NOMINAL": {}}), [0.0, -2.0, 0.0, 2.0])
-    assert told(found, "outside") == [(1, "fires"), (2, "clears"), (3, "fires")]
+    assert reported(found, "outside") == [(1, "fires"), (2, "clears"), (3, "fires")]
 
 
 def test_the_highest_severity_decides() -> None:
-    """Of two that fire at once the higher one leads; both are told."""
+    """Of two that fire at once the higher one leads; both are reported."""
     modes = MODES | {"HOLD": {"reference": "freeze"}}
     low = FAST | {"name": "low", "to": "HOLD", "severity": "low"}
     found = watched(supervisor(low, FAST | {"severity": "high"}, modes=modes), [2.0])
@@ -118,8 +118,8 @@ def test_monitors_count_anew_in_another_mode() -> None:
         "severity": "info",
     }
     found = watched(supervisor(FAST, back), [0, 0, 0, 2, 0, 0, 0, 0])
-    assert told(found, "still") == [(6, "fires")]
-    assert told(found, "mode") == [(3, "NOMINAL -> SAFE"), (6, "SAFE -> NOMINAL")]
+    assert reported(found, "still") == [(6, "fires")]
+    assert reported(found, "mode") == [(3, "NOMINAL -> SAFE"), (6, "SAFE -> NOMINAL")]
 
 
 def test_a_mode_decides_what_is_followed() -> None:

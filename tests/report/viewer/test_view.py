@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,6 @@ from space_robot_description.load import load_robot  # noqa: E402
 from space_robot_description.share import shipped  # noqa: E402
 from space_robot_description.visual import look_of  # noqa: E402
 from space_robot_msgs_py.errors import LogError  # noqa: E402
-from space_robot_msgs_py.log.header import LogHeader  # noqa: E402
 from space_robot_msgs_py.log.writer import LogSink  # noqa: E402
 from space_robot_report.playback import Footage  # noqa: E402
 from space_robot_report.viewer.load import load_show  # noqa: E402
@@ -72,7 +72,7 @@ def test_a_robot_without_looks_can_be_served(visual: str) -> None:
 
 def test_a_log_with_another_robot_in_it_is_refused(tmp_path: Path) -> None:
     """States that do not fit the URDF of their log are one clear error, not a picture."""
-    header = LogHeader("", URDF.format(inertial=INERTIAL, visual=""), 0, values.NAMES)
+    header = replace(values.HEADER, experiment="", urdf=URDF.format(inertial=INERTIAL, visual=""))
     sink = LogSink(tmp_path / "run", header)
     for tick in values.run_ticks(3):
         sink.record(tick)

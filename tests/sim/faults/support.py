@@ -31,7 +31,7 @@ def lively(tick: int) -> tuple[Vector, Vector]:
     return swing * np.arange(1.0, 7.0), swing * np.linspace(0.8, 0.05, 7)
 
 
-def flown(
+def simulated(
     faults: Sequence[Fault],
     *,
     actuators: dict[str, Any] | None = None,

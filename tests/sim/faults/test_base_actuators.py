@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from space_robot_msgs_py.interfaces import Vector
-from tests.sim.faults.support import WHEELS, balances, block, fault, flown, lively
+from tests.sim.faults.support import WHEELS, balances, block, fault, lively, simulated
 
 ONSET, END = 10, 25
 WINDOW = {"for": 1.5}
@@ -20,7 +20,7 @@ def nothing(tick: int) -> tuple[Vector, Vector]:
 
 def test_a_seized_wheel_gives_its_momentum_to_the_body_once() -> None:
     """Its momentum is gone after one period and stays zero; the whole keeps its momentum."""
-    samples = flown([fault("wheel_stopped", wheel=2)], actuators=WHEELS)
+    samples = simulated([fault("wheel_stopped", wheel=2)], actuators=WHEELS)
     stored, total = block(samples, "wheel_momentum")[:, 2], block(samples, "momentum")
     assert abs(stored[ONSET]) > 1.0
     np.testing.assert_allclose(stored[ONSET + 1 :], 0.0, atol=1e-12)
@@ -32,9 +32,10 @@ def test_a_seized_wheel_gives_its_momentum_to_the_body_once() -> None:
 def test_a_weak_wheel_gives_a_part(factor: float) -> None:
     """Its rate is factor times that of a healthy one, other wheels give what they gave."""
     weak = np.diff(
-        block(flown([fault("wheel_effectiveness", wheel=1, factor=factor)], actuators=WHEELS), "wheel_momentum"), axis=0
+        block(simulated([fault("wheel_effectiveness", wheel=1, factor=factor)], actuators=WHEELS), "wheel_momentum"),
+        axis=0,
     )
-    well = np.diff(block(flown([], actuators=WHEELS), "wheel_momentum"), axis=0)
+    well = np.diff(block(simulated([], actuators=WHEELS), "wheel_momentum"), axis=0)
     np.testing.assert_allclose(weak[ONSET:, 1], factor * well[ONSET:, 1], atol=1e-13)
     np.testing.assert_allclose(np.delete(weak, 1, axis=1), np.delete(well, 1, axis=1), atol=1e-13)
     np.testing.assert_allclose(weak[:ONSET], well[:ONSET], atol=1e-13)
@@ -42,7 +43,7 @@ def test_a_weak_wheel_gives_a_part(factor: float) -> None:
 
 def test_a_bias_turns_the_wheel_by_itself() -> None:
     """Without a command the wheel gains torque times time, and the body the opposite."""
-    samples = flown([fault("wheel_bias", wheel=0, torque=0.5, **WINDOW)], actuators=WHEELS, commands=nothing)
+    samples = simulated([fault("wheel_bias", wheel=0, torque=0.5, **WINDOW)], actuators=WHEELS, commands=nothing)
     stored = block(samples, "wheel_momentum")[:, 0]
     gained = stored - stored[0]
     np.testing.assert_allclose(gained[[ONSET, ONSET + 1, END, -1]], [0.0, 0.05, 0.75, 0.75], atol=1e-12)
@@ -52,7 +53,7 @@ def test_a_bias_turns_the_wheel_by_itself() -> None:
 def test_drag_stops_a_wheel_and_no_more() -> None:
     """The wheel slows down by torque times time and never turns the other way."""
     stored = block(
-        flown([fault("wheel_friction", wheel=0, torque=0.7)], actuators=WHEELS, commands=nothing), "wheel_momentum"
+        simulated([fault("wheel_friction", wheel=0, torque=0.7)], actuators=WHEELS, commands=nothing), "wheel_momentum"
     )
     assert stored[ONSET + 1, 0] == pytest.approx(1.0 - 0.07, abs=1e-12)
     assert stored[-1, 0] == pytest.approx(0.0, abs=1e-12)
@@ -61,7 +62,7 @@ def test_drag_stops_a_wheel_and_no_more() -> None:
 
 def test_an_early_limit_keeps_what_is_stored() -> None:
     """Beyond the new limit a wheel takes nothing more, gives back, and loses nothing by itself."""
-    samples = flown([fault("wheel_limit", wheel=2, momentum=0.5)], actuators=WHEELS)
+    samples = simulated([fault("wheel_limit", wheel=2, momentum=0.5)], actuators=WHEELS)
     stored = np.abs(block(samples, "wheel_momentum")[:, 2])
     assert stored[ONSET] > 3.0
     assert np.all(stored[ONSET + 1 :] <= np.maximum(0.5, stored[ONSET:-1]) + 1e-12)
@@ -77,17 +78,19 @@ def test_thrusters_stuck_off_stuck_on_and_weak(axis: str) -> None:
         "base_torque": {"kind": "thrusters", "limit": (7.0, 8.0, 9.0)},
     }  # fmt: skip
     limit = (7.0, 8.0, 9.0)[channel % 3]
-    told = np.array([lively(tick)[0] for tick in range(40)])
+    commanded = np.array([lively(tick)[0] for tick in range(40)])
     for kind, keys, expected in (
-        ("thruster_stuck_off", {}, 0.0 * told[:, channel]),
+        ("thruster_stuck_off", {}, 0.0 * commanded[:, channel]),
         ("thruster_stuck_on", {"direction": -1}, np.full(40, -limit)),
-        ("thruster_weak", {"factor": 0.25}, 0.25 * told[:, channel]),
+        ("thruster_weak", {"factor": 0.25}, 0.25 * commanded[:, channel]),
     ):
-        samples = flown([fault(kind, axis=axis, **WINDOW, **keys)], actuators=limits)
+        samples = simulated([fault(kind, axis=axis, **WINDOW, **keys)], actuators=limits)
         wrench = block(samples, "applied_wrench")[1:]
         np.testing.assert_allclose(wrench[ONSET:END, channel], expected[ONSET:END], rtol=1e-12)
-        np.testing.assert_allclose(np.delete(wrench, channel, axis=1), np.delete(told, channel, axis=1), rtol=1e-12)
-        np.testing.assert_allclose(wrench[END:, channel], told[END:, channel], rtol=1e-12)
+        np.testing.assert_allclose(
+            np.delete(wrench, channel, axis=1), np.delete(commanded, channel, axis=1), rtol=1e-12
+        )
+        np.testing.assert_allclose(wrench[END:, channel], commanded[END:, channel], rtol=1e-12)
         assert balances(samples)
 
 
@@ -95,17 +98,20 @@ def test_a_leak_pushes_beside_the_command_also_of_pulsed_thrusters() -> None:
     """The mean wrench of a period is what is commanded and the leak, and its impulse is accounted for."""
     pulsed = {"base_force": {"kind": "thrusters", "limit": (20.0,) * 3, "pwm": True}}
     for actuators in ({}, pulsed):
-        samples = flown([fault("thruster_leaking", axis="force_y", level=0.5, **WINDOW)], actuators=actuators)
-        wrench, told = block(samples, "applied_wrench")[1:, 1], np.array([lively(tick)[0][1] for tick in range(40)])
-        np.testing.assert_allclose(wrench[ONSET:END] - told[ONSET:END], 0.5, rtol=1e-10)
-        np.testing.assert_allclose(wrench[:ONSET], told[:ONSET], rtol=1e-12)
+        samples = simulated([fault("thruster_leaking", axis="force_y", level=0.5, **WINDOW)], actuators=actuators)
+        wrench, commanded = (
+            block(samples, "applied_wrench")[1:, 1],
+            np.array([lively(tick)[0][1] for tick in range(40)]),
+        )
+        np.testing.assert_allclose(wrench[ONSET:END] - commanded[ONSET:END], 0.5, rtol=1e-10)
+        np.testing.assert_allclose(wrench[:ONSET], commanded[:ONSET], rtol=1e-12)
         assert balances(samples, 1e-8)
 
 
 def test_a_pulse_acts_where_nothing_else_can() -> None:
     """Force and torque from outside act on a robot with wheels alone; momentum changes by their impulse."""
     push = {"force": (0.0, 3.0, 0.0), "torque": (0.1, 0.0, 0.0)}
-    samples = flown([fault("wrench_pulse", **push, **WINDOW)], actuators=WHEELS, commands=nothing)
+    samples = simulated([fault("wrench_pulse", **push, **WINDOW)], actuators=WHEELS, commands=nothing)
     momentum = block(samples, "momentum")
     np.testing.assert_allclose(np.linalg.norm(momentum[ONSET, :3] - momentum[0, :3]), 0.0, atol=1e-11)
     assert np.linalg.norm(momentum[END, :3] - momentum[ONSET, :3]) == pytest.approx(3.0 * 1.5, rel=0.05)

@@ -42,7 +42,7 @@ def arrived(*faults: Any, steps: int = 20) -> list[int | None]:
     return [None if one is None else one.stamp for one in news]
 
 
-def flown(*faults: dict[str, Any], **overrides: Any) -> list[Tick]:
+def simulated(*faults: dict[str, Any], **overrides: Any) -> list[Tick]:
     """The orientation task of `mini` for 5 s."""
     keys = {"duration": 5.0, "faults": list(faults)} | overrides
     sink = run_in_memory(compose(load_experiment("liu2023/fig08", keys)))
@@ -101,7 +101,7 @@ def test_a_message_that_was_not_sent_does_not_arrive() -> None:
 def test_a_lost_command_leaves_the_plant_in_its_hold() -> None:
     """Within the window the command of before acts (or nothing), and the log has what was sent."""
     for hold, held in (("last", (BEGIN - 1) * T), ("zero", -1)):
-        ticks = flown({"kind": "link_drop", "topic": "command", **WINDOW}, **{"plant.hold": hold})
+        ticks = simulated({"kind": "link_drop", "topic": "command", **WINDOW}, **{"plant.hold": hold})
         acted = [int(tick.sample.telemetry["command_stamp"][0]) for tick in ticks]
         assert set(acted[BEGIN + 1 : END + 1]) == {held}
         assert acted[END + 1 :] == [tick.stamp - T for tick in ticks[END + 1 :]]
@@ -110,7 +110,7 @@ def test_a_lost_command_leaves_the_plant_in_its_hold() -> None:
 
 def test_a_late_command_acts_late() -> None:
     """With two periods of delay the command of two ticks before acts."""
-    ticks = flown({"kind": "link_delay", "topic": "command", "periods": 2, "at": 1.0})
+    ticks = simulated({"kind": "link_delay", "topic": "command", "periods": 2, "at": 1.0})
     acted = [int(tick.sample.telemetry["command_stamp"][0]) for tick in ticks]
     assert acted[BEGIN + 3 :] == [tick.stamp - 3 * T for tick in ticks[BEGIN + 3 :]]
 
@@ -118,7 +118,7 @@ def test_a_late_command_acts_late() -> None:
 def test_a_state_that_does_not_arrive_is_the_last_one() -> None:
     """The law answers the state of before again, under the stamp of the tick; the log has what was measured."""
     pd = {"controller.law": "pd", "reference": {"kind": "hold"}, "initial.angular_velocity": [0.01, 0.02, 0.0]}
-    ticks = flown({"kind": "link_drop", "topic": "state", **WINDOW}, **pd)
+    ticks = simulated({"kind": "link_drop", "topic": "state", **WINDOW}, **pd)
     efforts = [tick.output.command.u.tobytes() for tick in ticks]
     assert len(set(efforts[BEGIN - 1 : END])) == 1
     assert efforts[END] != efforts[END - 1]
@@ -128,9 +128,9 @@ def test_a_state_that_does_not_arrive_is_the_last_one() -> None:
 def test_without_guidance_the_controller_keeps_its_reference() -> None:
     """Silent guidance and a dropped reference are the same to the controller."""
     moving = {"reference": {"kind": "harmonic", "yaw": {"amplitude_deg": 10, "frequency": 0.1}}}
-    silent = flown({"kind": "guidance_silent", **WINDOW}, **moving)
-    dropped = flown({"kind": "link_drop", "topic": "reference", **WINDOW}, **moving)
-    well = flown(**moving)
+    silent = simulated({"kind": "guidance_silent", **WINDOW}, **moving)
+    dropped = simulated({"kind": "link_drop", "topic": "reference", **WINDOW}, **moving)
+    well = simulated(**moving)
     commands = [[tick.output.command.u.tobytes() for tick in ticks] for ticks in (silent, dropped, well)]
     assert commands[0] == commands[1]
     assert commands[0][:BEGIN] == commands[2][:BEGIN]
@@ -139,7 +139,7 @@ def test_without_guidance_the_controller_keeps_its_reference() -> None:
 
 def test_a_silent_controller_is_reset_when_it_is_back() -> None:
     """The plant holds meanwhile; the first command that acts again comes from a law without a past."""
-    ticks = flown({"kind": "controller_silent", **WINDOW}, **{"plant.hold": "zero"})
+    ticks = simulated({"kind": "controller_silent", **WINDOW}, **{"plant.hold": "zero"})
     acted = [int(tick.sample.telemetry["command_stamp"][0]) for tick in ticks]
     assert set(acted[BEGIN + 1 : END + 1]) == {-1}
     assert acted[END + 1] == END * T
@@ -149,7 +149,7 @@ def test_a_silent_controller_is_reset_when_it_is_back() -> None:
 def test_a_restarted_controller_forgets() -> None:
     """From its onset on the law answers as one that never answered before."""
     keys = {"controller.law": "adaptive", "controller.gains": {"update": "rls"}, "plant.payload": {"mass": 1.0}}
-    ticks = flown({"kind": "controller_restarted", "at": 2.0}, **keys)
+    ticks = simulated({"kind": "controller_restarted", "at": 2.0}, **keys)
     assert [(tick.stamp, event.kind) for tick in ticks for event in tick.output.events] == [(8 * T, "reset")]
     fresh = compose(load_experiment("liu2023/fig08", {"duration": 5.0} | keys)).controller()
     fresh.reset()
@@ -160,7 +160,7 @@ def test_a_restarted_controller_forgets() -> None:
 def test_a_duplicate_changes_nothing() -> None:
     """With every message twice on all links the run is, to the bit, the one without."""
     twice = [{"kind": "link_duplicate", "topic": topic, "at": 0.0} for topic in ("command", "state", "reference")]
-    for one, other in zip(flown(*twice), flown(), strict=True):
+    for one, other in zip(simulated(*twice), simulated(), strict=True):
         assert one.sample.state.q.tobytes() == other.sample.state.q.tobytes()
         assert one.output.command.u.tobytes() == other.output.command.u.tobytes()
 
@@ -168,7 +168,7 @@ def test_a_duplicate_changes_nothing() -> None:
 def test_dropouts_and_nan_repeat_the_last_reading() -> None:
     """No number that is none gets anywhere: the reading of before is there again."""
     for kind in ("sensor_dropout", "sensor_nan"):
-        ticks = flown({"kind": kind, "channel": "angular_velocity", "probability": 0.5, **WINDOW})
+        ticks = simulated({"kind": kind, "channel": "angular_velocity", "probability": 0.5, **WINDOW})
         rates = [tick.sample.state.v[3:6].tobytes() for tick in ticks]
         repeated = [k for k in range(1, len(rates)) if rates[k] == rates[k - 1]]
         assert repeated

@@ -13,7 +13,7 @@ from space_robot_sim.faults.base import FaultSite
 from space_robot_sim.faults.catalogue import KINDS, groups, keys_of, meaning, parse_fault
 from space_robot_sim.faults.plan import FaultPlan, plan_faults
 from space_robot_sim.spec import SensorSpec
-from tests.sim.faults.support import PERIOD, STEPS, WHEELS, fault, flown
+from tests.sim.faults.support import PERIOD, STEPS, WHEELS, fault, simulated
 from tests.support.robots import arm_model, robot_of
 
 SITE = FaultSite(robot_of(arm_model(), WHEELS, floating=True), SensorSpec(), 0.1)
@@ -48,18 +48,18 @@ def test_onset_and_end_are_events_of_the_truth() -> None:
         fault("joint_effectiveness", joint="joint_1", factor=0.5, **{"for": 1.0}),
         fault("joint_stuck", joint="joint_2", name="brake", at=2.0),
     ]
-    samples = flown(faults)
-    told = {tick: sample.faults for tick, sample in enumerate(samples) if sample.faults}
-    assert list(told) == [10, 20]
-    (begins,) = told[10]
+    samples = simulated(faults)
+    commanded = {tick: sample.faults for tick, sample in enumerate(samples) if sample.faults}
+    assert list(commanded) == [10, 20]
+    (begins,) = commanded[10]
     assert (begins.stamp, begins.level, begins.name) == (10 * PERIOD, ERROR, "joint_effectiveness joint_1")
     assert (begins.message, begins.hardware) == ("begins", "joint_1")
     assert dict(begins.values) == {"kind": "joint_effectiveness", "joint": "joint_1", "factor": "0.5"}
-    assert [(one.level, one.name, one.message) for one in told[20]] == [
+    assert [(one.level, one.name, one.message) for one in commanded[20]] == [
         (OK, "joint_effectiveness joint_1", "ends"),
         (ERROR, "brake", "begins"),
     ]
-    assert decode_statuses(encode_statuses(told[20])) == told[20]
+    assert decode_statuses(encode_statuses(commanded[20])) == commanded[20]
 
 
 def test_every_fault_of_a_run_has_a_name_of_its_own() -> None:

@@ -11,12 +11,12 @@ import pytest
 from space_robot_description.rotations import exp, from_rpy, log, matrix, relative
 from space_robot_msgs_py.interfaces import PlantSample, Vector
 from space_robot_sim.spec import SensorSpec
-from tests.sim.faults.support import block, fault, flown
+from tests.sim.faults.support import block, fault, simulated
 
 ONSET, END = 10, 25
 WINDOW = {"for": 1.5}
 CHANNELS = tuple(SensorSpec.model_fields)
-TRUE = flown([])
+TRUE = simulated([])
 
 
 def channel(samples: Sequence[PlantSample], name: str) -> Vector:
@@ -35,8 +35,8 @@ def channel(samples: Sequence[PlantSample], name: str) -> Vector:
 
 def reported(kind: str, name: str, sensors: SensorSpec | None = None, **keys: Any) -> Vector:
     """What the channel of a fault reports; the truth and all other channels are as without it."""
-    samples = flown([fault(kind, channel=name, **WINDOW, **keys)], sensors=sensors)
-    without = TRUE if sensors is None else flown([], sensors=sensors)
+    samples = simulated([fault(kind, channel=name, **WINDOW, **keys)], sensors=sensors)
+    without = TRUE if sensors is None else simulated([], sensors=sensors)
     assert block(samples, "true_configuration").tobytes() == block(TRUE, "true_configuration").tobytes()
     for other in CHANNELS:
         same = channel(samples, other)[:ONSET] if other == name else channel(samples, other)
@@ -98,11 +98,11 @@ def test_noise_has_the_size_that_was_asked_for(name: str) -> None:
 def test_noise_depends_on_seed_and_tick_alone() -> None:
     """Equal seeds give equal bits, other seeds others, and a fault before it in the list changes no draw of its."""
     noisy = fault("sensor_noise", channel="position", sigma=1e-3)
-    first, again, other = (channel(flown([noisy], seed=seed), "position") for seed in (5, 5, 6))
+    first, again, other = (channel(simulated([noisy], seed=seed), "position") for seed in (5, 5, 6))
     assert first.tobytes() == again.tobytes()
     assert not np.any(first[ONSET:] == other[ONSET:])
     shorter = fault("sensor_noise", channel="position", sigma=1e-3, at=2.0)
-    late = channel(flown([shorter]), "position")
+    late = channel(simulated([shorter]), "position")
     assert late[20:].tobytes() == first[20:].tobytes()
 
 
@@ -122,7 +122,7 @@ def test_a_scale_of_the_attitude_is_one_of_its_rotation_vector() -> None:
 
 def test_outliers_have_their_length_and_come_as_often_as_said() -> None:
     """Each reading is the truth or wrong by a vector of that length."""
-    samples = flown([fault("sensor_outliers", channel="position", probability=0.3, length=2.0)], steps=200)
+    samples = simulated([fault("sensor_outliers", channel="position", probability=0.3, length=2.0)], steps=200)
     distance = np.linalg.norm(channel(samples, "position") - block(samples, "true_configuration")[:, :3], axis=1)
     wrong = distance > 0.0
     np.testing.assert_allclose(distance[wrong], 2.0, rtol=1e-9)
@@ -154,7 +154,7 @@ def test_faults_of_one_channel_add_up_in_their_order() -> None:
     bias = fault("sensor_bias", channel="position", bias=1.0)
     frozen = fault("sensor_frozen", channel="position")
     before = channel(TRUE, "position")[ONSET - 1]
-    first, second = (channel(flown(faults), "position")[ONSET] for faults in ([frozen, bias], [bias, frozen]))
+    first, second = (channel(simulated(faults), "position")[ONSET] for faults in ([frozen, bias], [bias, frozen]))
     np.testing.assert_array_equal(first, before + 1.0)
     np.testing.assert_array_equal(second, before)
 
