@@ -1,4 +1,4 @@
-"""The plant's checks of commands: what is refused, clipped, counted and told."""
+"""The plant's checks of commands: what is refused, clipped, counted and reported."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def command(stamp: int, shoulder: float, elbow: float = 0.0, torque: float = 0.0
     return Command(stamp, [0, 0, 0, torque, 0, 0], [shoulder, elbow])
 
 
-def test_without_a_monitor_everything_passes_and_nothing_is_told() -> None:
+def test_without_a_monitor_everything_passes_and_nothing_is_reported() -> None:
     """The command itself acts, whatever it is."""
     line, huge = CommandMonitor(None, LIMIT, NAMES), command(0, 1e9)
     assert line.check(huge) is huge
@@ -37,7 +37,7 @@ def test_without_a_monitor_everything_passes_and_nothing_is_told() -> None:
     assert line.events(5) == ()
 
 
-def test_a_command_beyond_its_limit_is_refused_and_told() -> None:
+def test_a_command_beyond_its_limit_is_refused_and_reported() -> None:
     """At the limit it passes as it is, beyond it does not act; the event names channel, value and what is accepted."""
     line, fine = monitor(limit={"factor": 1.5}), command(3, 15.0, -7.5, 3.0)
     assert line.check(fine) is fine

@@ -1,4 +1,4 @@
-"""Who publishes, from what the graph says: a change is told once, whatever the order of discovery."""
+"""Who publishes, from what the graph says: a change is reported once, whatever the order of discovery."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_name_that_is_discovered_later_is_no_change() -> None:
         assert graph.changes(*shown) == []
 
 
-def test_a_second_and_another_publisher_are_told_once() -> None:
+def test_a_second_and_another_publisher_are_reported_once() -> None:
     """Two at a time, two in one process, and another process after the first is gone."""
     graph = Graph()
     one, two = endpoint(1, "controller"), endpoint(2, "stranger")
@@ -58,13 +58,13 @@ def test_a_second_and_another_publisher_are_told_once() -> None:
 
 
 def test_a_name_is_waited_for_but_not_for_ever() -> None:
-    """A second publisher is told with its name, or without one where it has none."""
+    """A second publisher is reported with its name, or without one where it has none."""
     graph = Graph()
     one = endpoint(1, "controller")
     assert graph.changes(one) == []
     assert graph.changes(one, endpoint(2, UNNAMED)) == []
     assert graph.changes(one, endpoint(2, "stranger")) == [["/controller", "/stranger"]]
     other = Graph()
-    told = [other.changes(one, endpoint(2, UNNAMED)) for _ in range(MAX_UNNAMED + 2)]
-    assert [bool(news) for news in told].index(True) == MAX_UNNAMED - 1
-    assert sum(map(bool, told)) == 1
+    reported = [other.changes(one, endpoint(2, UNNAMED)) for _ in range(MAX_UNNAMED + 2)]
+    assert [bool(news) for news in reported].index(True) == MAX_UNNAMED - 1
+    assert sum(map(bool, reported)) == 1

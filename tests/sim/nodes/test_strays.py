@@ -73,7 +73,7 @@ def wild(raw: bytes) -> bytes:
     return raw[:8] + b"\xff\xff\xff\xff" + raw[12:]
 
 
-def told(**fields: object) -> bytes:
+def message(**fields: object) -> bytes:
     return encode_string(json.dumps(fields))
 
 
@@ -95,10 +95,10 @@ STRAYS: dict[str, tuple[Topic, Callable[[], bytes]]] = {
     "a credit without end": (RECORDER_CREDIT, lambda: encode_clock(10**18)),
     "a credit between two ticks": (RECORDER_CREDIT, lambda: encode_clock(AT * PERIOD + 17)),
     "an end that is only text": (RUN_END, lambda: encode_string("completed")),
-    "an end of another run": (RUN_END, lambda: told(run="1234", node="/stranger", reason="completed")),
-    "an end of no run": (RUN_END, lambda: told(run="", node="/stranger", reason="completed")),
+    "an end of another run": (RUN_END, lambda: message(run="1234", node="/stranger", reason="completed")),
+    "an end of no run": (RUN_END, lambda: message(run="", node="/stranger", reason="completed")),
     "an end that is none": (RUN_END, lambda: GARBAGE),
-    "a begin of another run": (RUN_BEGIN, lambda: told(run="1234", number=3)),
+    "a begin of another run": (RUN_BEGIN, lambda: message(run="1234", number=3)),
     "a begin that is none": (RUN_BEGIN, lambda: GARBAGE),
     "a description that is none": (ROBOT_DESCRIPTION, lambda: GARBAGE),
     "telemetry that is none": (PLANT_TELEMETRY, lambda: GARBAGE),
