@@ -20,6 +20,7 @@ from space_robot_msgs_py.codec.codecs import (
     StateCodec,
     TelemetryCodec,
     encode_events,
+    encode_no_status,
     encode_statuses,
 )
 from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
@@ -201,9 +202,10 @@ class ControllerNode(ManagedNode):
         return round(stamp / (self._law.control_period * NANOSECONDS))
 
     def _send(self, output: ControlOutput) -> None:
-        if output.supervision and self._supervision_publisher is not None:
-            self._supervision_publisher.publish(encode_statuses(output.supervision))
-            self._supervision_publisher.wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
+        if self._supervision_publisher is not None:
+            # At every tick, because the recorder waits for what it expects only.
+            found, stamp = output.supervision, output.command.stamp
+            self._supervision_publisher.publish(encode_statuses(found) if found else encode_no_status(stamp))
         if output.events:
             self._event_publisher.publish(encode_events(output.events))
             # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.

@@ -1,6 +1,6 @@
 """Every codec under one roof: values, texts and raw messages to and from canonical bytes."""
 
-from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses
+from space_robot_msgs_py.codec.statuses import decode_statuses, encode_no_status, encode_statuses, says_none
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.texts import (
     decode_clock,
@@ -28,7 +28,9 @@ __all__ = [
     "decode_string",
     "encode_clock",
     "encode_events",
+    "encode_no_status",
     "encode_statuses",
+    "says_none",
     "encode_string",
     "peek_stamp",
     "plant_events",

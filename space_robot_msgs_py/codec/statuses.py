@@ -33,6 +33,23 @@ def encode_statuses(events: Sequence[DiagnosticEvent]) -> bytes:
     return bytes(typestore().serialize_cdr(message, TYPE, little_endian=True))
 
 
+def encode_no_status(stamp: int) -> bytes:
+    """What says on a topic of events that there is none at a stamp [ns]; it goes between nodes and into no log."""
+    types: Any = typestore().types
+    time = types["builtin_interfaces/msg/Time"](*divmod(stamp, NANOSECONDS))
+    message = types[TYPE](types["std_msgs/msg/Header"](time, ""), [])
+    return bytes(typestore().serialize_cdr(message, TYPE, little_endian=True))
+
+
+# Every such message but for its stamp, in bytes 4 to 12.
+_NONE = encode_no_status(0)
+
+
+def says_none(raw: bytes) -> bool:
+    """Whether a message is one of ``encode_no_status``."""
+    return len(raw) == len(_NONE) and raw[:4] == _NONE[:4] and raw[12:] == _NONE[12:]
+
+
 def decode_statuses(raw: bytes) -> tuple[DiagnosticEvent, ...]:
     """The events in a message, at least one.
 

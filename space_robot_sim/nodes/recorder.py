@@ -19,6 +19,8 @@ from space_robot_msgs_py.codec.codecs import (
     decode_string,
     encode_clock,
     encode_events,
+    peek_stamp,
+    says_none,
 )
 from space_robot_msgs_py.codec.sender_mark import SenderMark
 from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError
@@ -106,6 +108,7 @@ class RecorderNode(GraphNode):
         heard = [topic for topic in LOGGED if not topic.optional or topic in optional]
         listeners = {topic: self._listen_recorded(topic) for topic in heard}
         required = {*self._parts.expected, *optional}
+        self._parts.expected |= set(optional)
         self._required = {topic: reader for topic, reader in listeners.items() if topic in required}
         # Of the handles themselves: they are asked at every tick.
         self._command_counts = [listeners[topic].handle.get_publisher_count for topic in self._commands.topics]
@@ -198,13 +201,18 @@ class RecorderNode(GraphNode):
             try:
                 if part is not None:
                     raw = self._marks.remove(part, raw)
-                stamp, data = self._canonical.read(topic, raw)
+                stamp, data = self._read(topic, raw)
             except SpaceRobotError as error:
                 self.refuse(topic, error)
                 return
             self._take_in(topic, stamp, data)
 
         return self.listen(topic, on_message)
+
+    def _read(self, topic: Topic, raw: bytes) -> tuple[int, bytes]:
+        if topic.optional and says_none(raw):
+            return peek_stamp(raw), raw
+        return self._canonical.read(topic, raw)
 
     def _on_accepted(self, raw: bytes) -> None:
         """Only once the command topics are contested: what the simulator took."""
@@ -277,7 +285,8 @@ class RecorderNode(GraphNode):
     def _write(self, stamp: int, parts: dict[Topic, bytes]) -> None:
         if self._news:
             self._add_news(stamp, parts)
-        self._writer.write_tick(stamp, parts)
+        written = {topic: data for topic, data in parts.items() if not (topic.optional and says_none(data))}
+        self._writer.write_tick(stamp, written)
         self._give_credit()
 
     def _add_news(self, stamp: int, parts: dict[Topic, bytes]) -> None:

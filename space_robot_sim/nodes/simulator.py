@@ -7,12 +7,11 @@ from dataclasses import replace
 from typing import Any
 from uuid import uuid4
 
-from rclpy.duration import Duration
-
 from space_robot_msgs_py.codec.codecs import (
     StateCodec,
     TelemetryCodec,
     encode_clock,
+    encode_no_status,
     encode_statuses,
     encode_string,
     plant_events,
@@ -31,7 +30,6 @@ from space_robot_sim.nodes.services import RunServices, StepGate
 from space_robot_sim.nodes.transforms import TransformPublisher
 
 # What a recorder may take to hear of an event.
-HEARING_SECONDS = 5.0
 
 
 class SimulatorNode(ManagedNode):
@@ -218,10 +216,11 @@ class SimulatorNode(ManagedNode):
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
-        for topic, events in plant_events(sample):
-            self._event_publishers[topic].publish(encode_statuses(events))
-            # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.
-            self._event_publishers[topic].wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
+        found = dict(plant_events(sample)) if self._event_publishers else {}
+        for topic, publisher in self._event_publishers.items():
+            # At every tick: topics have no order among each other, and the recorder waits for what it expects only.
+            events = found.get(topic)
+            publisher.publish(encode_statuses(events) if events else encode_no_status(sample.state.stamp))
         publish_all(self._state_publishers, self._states.encode(sample.state))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
         self._clock_publisher.publish(encode_clock(sample.state.stamp))

@@ -56,7 +56,7 @@ def test_another_threshold_is_found_by_replay(tmp_path: Path) -> None:
 
 @pytest.mark.ros
 @pytest.mark.xdist_group("graph")
-@pytest.mark.parametrize("mode", ["graph", pytest.param("processes", marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("mode", ["graph", "processes"])
 def test_every_mode_refuses_the_same(tmp_path: Path, mode: Mode) -> None:
     """One file, whatever carried the messages."""
     pytest.importorskip("rclpy")

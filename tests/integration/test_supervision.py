@@ -90,7 +90,7 @@ def test_a_supervisor_that_finds_nothing_changes_no_command() -> None:
 
 @pytest.mark.ros
 @pytest.mark.xdist_group("graph")
-@pytest.mark.parametrize("mode", ["graph", pytest.param("processes", marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("mode", ["graph", "processes"])
 def test_every_mode_decides_the_same(tmp_path: Path, mode: Mode) -> None:
     """One file, whatever carried the messages."""
     pytest.importorskip("rclpy")

@@ -11,13 +11,18 @@ from space_robot_msgs_py.codec.codecs import (
     TelemetryCodec,
     TickCodec,
     decode_clock,
+    decode_statuses,
     decode_string,
     encode_clock,
+    encode_no_status,
+    encode_statuses,
     encode_string,
     peek_stamp,
+    says_none,
 )
 from space_robot_msgs_py.codec.generic import canonical_message, parse
 from space_robot_msgs_py.errors import CommandError, LayoutError, NonFiniteError
+from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_msgs_py.interfaces import Command, Telemetry
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND
 from tests.support import values
@@ -259,3 +264,14 @@ def test_values_of_another_size_are_not_encoded():
     """A command for more joints than the codec has is refused, not cut."""
     with pytest.raises(CommandError, match=r"joint_command\.effort"):
         CommandCodec(("a",)).encode(Command(0, np.zeros(6), np.zeros(2)))
+
+
+@pytest.mark.parametrize("stamp", [0, 250_000_000, 2**31 * 10**9 - 1])
+def test_a_tick_without_events_says_so_in_a_message_of_its_own(stamp: int) -> None:
+    """Such a message has its stamp, is distinguished from one with an event, and is refused where events are read."""
+    none = encode_no_status(stamp)
+    some = encode_statuses([DiagnosticEvent(stamp, 0, "", "", "", ())])
+    assert (says_none(none), says_none(some), says_none(none[:-1])) == (True, False, False)
+    assert peek_stamp(none) == stamp
+    with pytest.raises(LayoutError, match="no event in it"):
+        decode_statuses(none)
