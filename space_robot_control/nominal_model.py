@@ -64,6 +64,14 @@ class NominalModel:
         out: Vector = m[3:, 3:] - m[3:, :3] @ m[:3, 3:] / self.mass
         return out
 
+    def actuated_mass_matrix(self, q: Vector) -> Vector:
+        """Return M(q), or where no force acts on the base the reduced one, which has no rows of translation.
+
+        Args:
+            q: (7+n,) configuration [m, -, rad].
+        """
+        return self.reduced_mass_matrix(q) if self.robot.base_mode == "free_floating" else self.mass_matrix(q)
+
     def bias(self, q: Vector, v: Vector) -> Vector:
         """Return the (6+n,) Coriolis and centrifugal forces c(q, v) [N, N m].
 

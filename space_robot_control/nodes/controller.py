@@ -20,8 +20,7 @@ from space_robot_msgs_py.codec.codecs import (
     StateCodec,
     TelemetryCodec,
     encode_events,
-    encode_no_status,
-    encode_statuses,
+    encode_tick_statuses,
 )
 from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
 from space_robot_msgs_py.codec.values import Blocks, all_finite
@@ -204,8 +203,8 @@ class ControllerNode(ManagedNode):
     def _send(self, output: ControlOutput) -> None:
         if self._supervision_publisher is not None:
             # At every tick, because the recorder waits for what it expects only.
-            found, stamp = output.supervision, output.command.stamp
-            self._supervision_publisher.publish(encode_statuses(found) if found else encode_no_status(stamp))
+            found = encode_tick_statuses(output.command.stamp, output.supervision)
+            self._supervision_publisher.publish(found)
         if output.events:
             self._event_publisher.publish(encode_events(output.events))
             # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.

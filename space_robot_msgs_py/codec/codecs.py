@@ -1,6 +1,6 @@
 """Every codec under one roof: values, texts and raw messages to and from canonical bytes."""
 
-from space_robot_msgs_py.codec.statuses import decode_statuses, encode_no_status, encode_statuses, says_none
+from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses, encode_tick_statuses, says_none
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.texts import (
     decode_clock,
@@ -28,10 +28,10 @@ __all__ = [
     "decode_string",
     "encode_clock",
     "encode_events",
-    "encode_no_status",
     "encode_statuses",
-    "says_none",
     "encode_string",
+    "encode_tick_statuses",
     "peek_stamp",
     "plant_events",
+    "says_none",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 from space_robot_msgs_py.codec.generic import parse
@@ -16,6 +17,11 @@ from space_robot_msgs_py.limits import EVENT_BYTES
 TYPE = "diagnostic_msgs/msg/DiagnosticArray"
 
 
+def encode_tick_statuses(stamp: int, events: Sequence[DiagnosticEvent]) -> bytes:
+    """The events of a tick as nodes exchange them: where there is none a message says so, see ``says_none``."""
+    return encode_statuses(events) if events else _encode(stamp, ())
+
+
 def encode_statuses(events: Sequence[DiagnosticEvent]) -> bytes:
     """The events of one stamp, at least one, as one canonical message.
 
@@ -25,29 +31,27 @@ def encode_statuses(events: Sequence[DiagnosticEvent]) -> bytes:
     stamps = sorted({event.stamp for event in events})
     if len(stamps) != 1:
         raise LayoutError("not the events of one stamp", key=TYPE, value=stamps, accepted="one stamp")
-    types: Any = typestore().types
-    seconds, nanoseconds = divmod(stamps[0], NANOSECONDS)
-    time = types["builtin_interfaces/msg/Time"](seconds, nanoseconds)
-    statuses = [_status(types, event) for event in events]
-    message = types[TYPE](types["std_msgs/msg/Header"](time, ""), statuses)
-    return bytes(typestore().serialize_cdr(message, TYPE, little_endian=True))
-
-
-def encode_no_status(stamp: int) -> bytes:
-    """What says on a topic of events that there is none at a stamp [ns]; it goes between nodes and into no log."""
-    types: Any = typestore().types
-    time = types["builtin_interfaces/msg/Time"](*divmod(stamp, NANOSECONDS))
-    message = types[TYPE](types["std_msgs/msg/Header"](time, ""), [])
-    return bytes(typestore().serialize_cdr(message, TYPE, little_endian=True))
-
-
-# Every such message but for its stamp, in bytes 4 to 12.
-_NONE = encode_no_status(0)
+    return _encode(stamps[0], events)
 
 
 def says_none(raw: bytes) -> bool:
-    """Whether a message is one of ``encode_no_status``."""
-    return len(raw) == len(_NONE) and raw[:4] == _NONE[:4] and raw[12:] == _NONE[12:]
+    """Whether a message has a stamp and no event; such messages go between nodes and into no log."""
+    none = _none()
+    # All but the stamp, in bytes 4 to 12.
+    return len(raw) == len(none) and raw[:4] == none[:4] and raw[12:] == none[12:]
+
+
+@cache
+def _none() -> bytes:
+    return _encode(0, ())
+
+
+def _encode(stamp: int, events: Sequence[DiagnosticEvent]) -> bytes:
+    types: Any = typestore().types
+    time = types["builtin_interfaces/msg/Time"](*divmod(stamp, NANOSECONDS))
+    statuses = [_status(types, event) for event in events]
+    message = types[TYPE](types["std_msgs/msg/Header"](time, ""), statuses)
+    return bytes(typestore().serialize_cdr(message, TYPE, little_endian=True))
 
 
 def decode_statuses(raw: bytes) -> tuple[DiagnosticEvent, ...]:

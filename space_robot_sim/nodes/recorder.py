@@ -107,9 +107,9 @@ class RecorderNode(GraphNode):
         self.listen(ROBOT_DESCRIPTION, self._on_description)
         heard = [topic for topic in LOGGED if not topic.optional or topic in optional]
         listeners = {topic: self._listen_recorded(topic) for topic in heard}
-        required = {*self._parts.expected, *optional}
-        self._parts.expected |= set(optional)
-        self._required = {topic: reader for topic, reader in listeners.items() if topic in required}
+        self._optional = frozenset(optional)
+        self._parts.expected |= self._optional
+        self._required = {topic: reader for topic, reader in listeners.items() if topic in self._parts.expected}
         # Of the handles themselves: they are asked at every tick.
         self._command_counts = [listeners[topic].handle.get_publisher_count for topic in self._commands.topics]
         self._speakers = Publishers(self, heard)
@@ -285,8 +285,10 @@ class RecorderNode(GraphNode):
     def _write(self, stamp: int, parts: dict[Topic, bytes]) -> None:
         if self._news:
             self._add_news(stamp, parts)
-        written = {topic: data for topic, data in parts.items() if not (topic.optional and says_none(data))}
-        self._writer.write_tick(stamp, written)
+        for topic in self._optional:
+            if topic in parts and says_none(parts[topic]):
+                del parts[topic]
+        self._writer.write_tick(stamp, parts)
         self._give_credit()
 
     def _add_news(self, stamp: int, parts: dict[Topic, bytes]) -> None:

@@ -11,9 +11,8 @@ from space_robot_msgs_py.codec.codecs import (
     StateCodec,
     TelemetryCodec,
     encode_clock,
-    encode_no_status,
-    encode_statuses,
     encode_string,
+    encode_tick_statuses,
     plant_events,
 )
 from space_robot_msgs_py.errors import CommandError
@@ -216,11 +215,9 @@ class SimulatorNode(ManagedNode):
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
-        found = dict(plant_events(sample)) if self._event_publishers else {}
         for topic, publisher in self._event_publishers.items():
             # At every tick: topics have no order among each other, and the recorder waits for what it expects only.
-            events = found.get(topic)
-            publisher.publish(encode_statuses(events) if events else encode_no_status(sample.state.stamp))
+            publisher.publish(encode_tick_statuses(sample.state.stamp, dict(plant_events(sample)).get(topic, ())))
         publish_all(self._state_publishers, self._states.encode(sample.state))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
         self._clock_publisher.publish(encode_clock(sample.state.stamp))

@@ -62,9 +62,7 @@ class DampedHold(Law):
 
     def _inertia(self, q: Vector) -> tuple[Vector, float]:
         """(m,) inertia that each degree of freedom moves, and lambda, at a configuration (7+n,)."""
-        floating = self._first > 0
-        inertia = self._model.reduced_mass_matrix(q) if floating else self._model.mass_matrix(q)
-        inverse = np.linalg.inv(inertia)
+        inverse = np.linalg.inv(self._model.actuated_mass_matrix(q))
         moved = 1.0 / np.diag(inverse)
         root = np.sqrt(moved)
         largest = np.linalg.eigvalsh(root[:, None] * inverse * root)[-1]

@@ -60,13 +60,12 @@ class Detumble(Law):
         """Return u and the telemetry listed at the class."""
         if self._shape is None:
             self._shape = state.joints
-        floating, offset = self._first > 0, state.joints - self._shape
-        inertia = self._model.reduced_mass_matrix(state.q) if floating else self._model.mass_matrix(state.q)
+        offset, inertia = state.joints - self._shape, self._model.actuated_mass_matrix(state.q)
         decay = self.gains.rate / (1.0 + self.gains.rate * self.control_period)
         acceleration = -decay * state.v[self._first :]
         acceleration[-self.n :] -= 0.25 * decay**2 * offset
         u = np.zeros(6 + self.n)
         u[self._first :] = inertia @ acceleration
-        scale = 1.0 if self._limits.fits(u) else self._limits.common_scale(u)
+        scale = self._limits.common_scale(u)
         errors = error_blocks(tracking_errors(state, reference))
         return scale * u, {**errors, "joint_offset": offset, "scale": scale}

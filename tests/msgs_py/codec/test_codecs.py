@@ -14,9 +14,9 @@ from space_robot_msgs_py.codec.codecs import (
     decode_statuses,
     decode_string,
     encode_clock,
-    encode_no_status,
     encode_statuses,
     encode_string,
+    encode_tick_statuses,
     peek_stamp,
     says_none,
 )
@@ -269,7 +269,7 @@ def test_values_of_another_size_are_not_encoded():
 @pytest.mark.parametrize("stamp", [0, 250_000_000, 2**31 * 10**9 - 1])
 def test_a_tick_without_events_says_so_in_a_message_of_its_own(stamp: int) -> None:
     """Such a message has its stamp, is distinguished from one with an event, and is refused where events are read."""
-    none = encode_no_status(stamp)
+    none = encode_tick_statuses(stamp, ())
     some = encode_statuses([DiagnosticEvent(stamp, 0, "", "", "", ())])
     assert (says_none(none), says_none(some), says_none(none[:-1])) == (True, False, False)
     assert peek_stamp(none) == stamp
