@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
+from space_robot_msgs_py.codec.cdr import pack_stamp
 from space_robot_msgs_py.codec.generic import parse
 from space_robot_msgs_py.codec.schemas import typestore
 from space_robot_msgs_py.codec.texts import peek_stamp
@@ -19,7 +20,10 @@ TYPE = "diagnostic_msgs/msg/DiagnosticArray"
 
 def encode_tick_statuses(stamp: int, events: Sequence[DiagnosticEvent]) -> bytes:
     """The events of a tick as nodes exchange them: where there is none a message says so, see ``says_none``."""
-    return encode_statuses(events) if events else _encode(stamp, ())
+    if events:
+        return encode_statuses(events)
+    none = _none()
+    return none[:4] + pack_stamp(stamp) + none[12:]
 
 
 def encode_statuses(events: Sequence[DiagnosticEvent]) -> bytes:

@@ -147,8 +147,8 @@ class TopicBytes:
             events = decode_events(raw)
             return events[0].stamp, encode_events(events)
         if topic.kind in ("plant_event", "supervision_event"):
-            faults = decode_statuses(raw)
-            return faults[0].stamp, encode_statuses(faults)
+            found = decode_statuses(raw)
+            return found[0].stamp, encode_statuses(found)
         telemetry = self._telemetry.get(topic)
         if telemetry is None:
             data = self.canonical(topic, raw)
