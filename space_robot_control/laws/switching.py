@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from space_robot_control.command_delay import CommandDelay
 from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_control.laws.tunable import GAINS
-from space_robot_control.tracking import error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS, tracking_errors
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import NANOSECONDS, Command, Reference, RobotState, Vector
+from space_robot_msgs_py.interfaces import (
+    NANOSECONDS,
+    Command,
+    ControlOutput,
+    Reference,
+    RobotState,
+    Telemetry,
+    Vector,
+)
 from space_robot_msgs_py.parameters import ParameterRow
 
 ACTIVE = "active_law"
+HANDOVER = "handover"
 STANDBY = "standby."
 
 
@@ -62,6 +72,7 @@ class Switching(Law):
         if len(laws) < 2:
             raise SpecError("nothing to switch to", key="laws", value=list(laws), accepted="two laws or more")
         self._laws, self._names = dict(laws), tuple(laws)
+        self._informed = [law for law in laws.values() if type(law).on_applied is not Law.on_applied]
         self.uses_command_delay = all(law.uses_command_delay for law in self._laws.values())
         self._line: CommandDelay[Law | None] = CommandDelay(robot.command_delay, none=None)
         for _, name in switches:
@@ -80,8 +91,9 @@ class Switching(Law):
         for law in self._laws.values():
             law.reset()
         self._active, self._requested, self._due = self._names[0], "", 0
-        self._labels: dict[str, dict[str, int]] | None = None
-        self._last: Vector | None = None
+        self._share_wheels()
+        self._shown: _Layout | None = None
+        self._last: Command | None = None
         self._bump, self._since = np.zeros(6 + self.n), -self._handover
         self._line.reset()
 
@@ -139,30 +151,32 @@ class Switching(Law):
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class."""
-        errors = error_blocks(tracking_errors(state, reference))
-        if self._labels is None:
-            self._labels = self._layouts(state, reference, set(errors))
+        output = self.control(state, reference)
+        return output.command.u, dict(output.telemetry.items())
+
+    def control(self, state: RobotState, reference: Reference) -> ControlOutput:
+        """Answer as the active law does; the others compute nothing. See ``Law.control``."""
+        if self._shown is None:
+            self._shown = self._find_layout(state, reference)
         taking_over = self._switch(state.stamp)
         law = self._laws[self._active]
         output = law.control(state, reference)
-        u = output.command.u
+        command = output.command
         if taking_over and self._last is not None:
-            self._bump, self._since = self._last - u, state.stamp
-        weight, command = self._weight(state.stamp), output.command
+            self._bump, self._since = self._last.u - command.u, state.stamp
+        weight = self._weight(state.stamp)
         if weight:
-            u = u + weight * self._bump
-            command = Command(state.stamp, u[:6], u[6:])
+            command = self._command(state.stamp, command.u + weight * self._bump)
         acting, owner = self._line.acting(command, None if weight else law)
-        for other in self._laws.values():
-            other.note_applied(acting, own=other is owner)
-        self._last = u
-        shown = {label: block for label, block in output.telemetry.items() if label in self._labels[self._active]}
-        return u, {
-            **errors,
-            ACTIVE: float(self._names.index(self._active)),
-            "handover": weight,
-            **self._blocks(self._labels, shown),
-        }
+        self.wheels.apply(acting.u, self.control_period)
+        for other in self._informed:
+            other.on_applied(acting, own=other is owner)
+        self._last = command
+        telemetry = self._shown.of(self._active, output.telemetry, state, reference, weight)
+        return ControlOutput(command, telemetry, self.pending_events(state.stamp))
+
+    def note_applied(self, command: Command, *, own: bool) -> None:
+        """Nothing is left to do: ``control`` knows what acts, and has the laws take note of it."""
 
     def _switch(self, stamp: int) -> bool:
         """Follow the schedule, or a request, which has priority; True if another law takes over now."""
@@ -182,22 +196,20 @@ class Switching(Law):
         passed = stamp - self._since
         return max(0.0, 1.0 - passed / self._handover) if self._handover else 0.0
 
-    def _layouts(self, state: RobotState, reference: Reference, shared: set[str]) -> dict[str, dict[str, int]]:
-        """Labels and sizes of what each law shows beside the shared errors."""
+    def _find_layout(self, state: RobotState, reference: Reference) -> _Layout:
+        """Let every law compute once, for the labels and sizes of its telemetry."""
         found = {}
         for name, law in self._laws.items():
-            telemetry = law.control(state, reference).telemetry
+            found[name] = law.control(state, reference).telemetry
             law.reset()
-            sizes = zip(telemetry.labels, telemetry.sizes, strict=True)
-            found[name] = {label: size for label, size in sizes if label not in shared}
-        return found
+        self._share_wheels()
+        own = {name for name, law in self._laws.items() if ERROR_FIELDS.items() <= law.telemetry_fields.items()}
+        return _Layout(found, own, self.n)
 
-    def _blocks(self, labels: Mapping[str, Mapping[str, int]], shown: Blocks) -> Blocks:
-        return {
-            f"{name}.{label}": shown[label] if name == self._active else np.zeros(size)
-            for name, sizes in labels.items()
-            for label, size in sizes.items()
-        }
+    def _share_wheels(self) -> None:
+        """All count the same momentum: once is enough."""
+        for law in self._laws.values():
+            law.wheels = self.wheels
 
     def _prefixed(self) -> dict[str, Law]:
         """Each law under what stands before its ``gains.``."""
@@ -215,3 +227,63 @@ class Switching(Law):
         if not isinstance(name, str) or name not in self._laws:
             accepted = nearest(name, self._names) or ", ".join(self._names)
             raise SpecError("not among the laws of this run", key=ACTIVE, value=name, accepted=accepted)
+
+
+class _Layout:
+    """Telemetry of the laws in one layout: where the numbers of each go among those of all.
+
+    Args:
+        telemetry: of each law, by name.
+        own: names of the laws whose telemetry has the errors in the terms of ``ERROR_FIELDS``.
+        n: number of joints.
+    """
+
+    def __init__(self, telemetry: Mapping[str, Telemetry], own: Collection[str], n: int) -> None:
+        errors = dict(zip(ERROR_FIELDS, (3, 3, n, 6, n), strict=True))
+        blocks = errors | {ACTIVE: 1, HANDOVER: 1}
+        for name, one in telemetry.items():
+            blocks |= {f"{name}.{label}": size for label, size in _sizes(one).items() if label not in errors}
+        self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
+        places, self._switch = _places(blocks), 12 + 2 * n
+        self._nothing = np.zeros(sum(self.sizes))
+        self._moves: dict[str, tuple[int, npt.NDArray[np.intp], npt.NDArray[np.intp], bool]] = {}
+        for index, (name, one) in enumerate(telemetry.items()):
+            source, target = [], []
+            for label, place in _places(_sizes(one)).items():
+                if label not in errors or name in own:
+                    source.append(place)
+                    target.append(places[label if label in errors else f"{name}.{label}"])
+            self._moves[name] = index, _joined(source), _joined(target), name in own
+
+    def of(self, name: str, own: Telemetry, state: RobotState, reference: Reference, weight: float) -> Telemetry:
+        """All telemetry of a state, of which all but the errors is 0 for the laws that are idle.
+
+        Args:
+            name: of the active law.
+            own: its telemetry.
+            state: that it answered.
+            reference: that it followed.
+            weight: of the handover.
+        """
+        index, source, target, has_errors = self._moves[name]
+        data = self._nothing.copy()
+        data[target] = own.data[source]
+        if not has_errors:
+            errors, split = tracking_errors(state, reference), self._switch // 2
+            data[:split], data[split : self._switch] = errors.configuration, errors.velocity
+        data[self._switch], data[self._switch + 1] = index, weight
+        return Telemetry(own.stamp, self.labels, self.sizes, data)
+
+
+def _sizes(telemetry: Telemetry) -> dict[str, int]:
+    return dict(zip(telemetry.labels, telemetry.sizes, strict=True))
+
+
+def _places(sizes: Mapping[str, int]) -> dict[str, npt.NDArray[np.intp]]:
+    """Indices of the numbers of each block."""
+    ends = np.cumsum([0, *sizes.values()])
+    return {label: np.arange(start, start + size) for (label, size), start in zip(sizes.items(), ends, strict=False)}
+
+
+def _joined(parts: Sequence[npt.NDArray[np.intp]]) -> npt.NDArray[np.intp]:
+    return np.concatenate([np.zeros(0, np.intp), *parts])
