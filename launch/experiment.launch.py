@@ -25,15 +25,23 @@ PACKAGES = {
     "controller": "space_robot_control",
     "simulator": "space_robot_sim",
 }
+SUPERVISOR = {"supervisor": "space_robot_supervisor"}
+# Instead of a table: that of the experiment.
+OWN = "own"
+ALL_NODES = " ".join(PACKAGES)
 ARGUMENTS = {
     "experiment": (None, "shipped name or YAML file"),
     "controller": ("", "law to run it with; default: the one of the experiment"),
+    "supervision": (
+        "",
+        "table for a supervisor: shipped name or file, or `own`: the experiment's; default: no such node",
+    ),
     "record": ("true", "whether a recorder takes part and keeps a log"),
     "out": ("", "run directory; default: runs/ and the name of the experiment"),
     "realtime": ("", "simulated seconds per second; default: lock-step, as fast as it goes"),
     "namespace": ("", "of all nodes and topics, one for each robot on a domain"),
     "set": ("", "further keys of the experiment, 'key=value key=value'"),
-    "nodes": (" ".join(PACKAGES), "which to start here, where a graph is spread over machines"),
+    "nodes": (ALL_NODES, "which to start here, where a graph is spread over machines"),
 }
 # A node that fails says why before it ends; the recorder needs a moment to hear and to write it.
 HEARING_SECONDS = 3.0
@@ -55,11 +63,14 @@ def _nodes(context: LaunchContext) -> list[Node]:
     recorded = evaluate_condition_expression(context, [TextSubstitution(text=chosen["record"])])
     options = _options(chosen, recorded)
     roles = chosen["nodes"].split()
-    if unknown := sorted(set(roles) - set(PACKAGES)):
-        raise ValueError(f"nodes: no such node; got {', '.join(unknown)}; accepted: {', '.join(PACKAGES)}")
+    packages = PACKAGES | SUPERVISOR
+    if chosen["supervision"] and chosen["nodes"] == ALL_NODES:
+        roles.append("supervisor")
+    if unknown := sorted(set(roles) - set(packages)):
+        raise ValueError(f"nodes: no such node; got {', '.join(unknown)}; accepted: {', '.join(packages)}")
     return [
         Node(
-            package=PACKAGES[role],
+            package=packages[role],
             executable=role,
             namespace=chosen["namespace"],
             arguments=options,
@@ -79,6 +90,8 @@ def _options(chosen: dict[str, str], recorded: bool) -> list[str]:
     if chosen["realtime"]:
         options += ["--realtime", chosen["realtime"]]
     law = [f"controller.law={chosen['controller']}"] if chosen["controller"] else []
+    if chosen["supervision"] not in ("", OWN):
+        law.append(f"supervision={chosen['supervision']}")
     for override in [*law, *shlex.split(chosen["set"])]:
         options += ["--set", override]
     return options

@@ -22,7 +22,10 @@ def replay(
     bags: Annotated[list[Path], typer.Argument(metavar="BAG...", help="run directories, bags or .mcap files")],
     against: Annotated[
         str,
-        typer.Option(help="controller: states in, commands out; plant: commands in, states out; or both"),
+        typer.Option(
+            help="controller: states in, commands out; plant: commands in, states out; "
+            "supervisor: states, commands and orders in, modes out; or both: all that the run has"
+        ),
     ] = "both",
     set_: SetOption = None,
     rtol: Annotated[float, typer.Option(help="relative to the largest number of a block; default: equal bits")] = 0.0,

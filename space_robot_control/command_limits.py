@@ -40,6 +40,11 @@ class CommandLimits:
         self._base = shares, torques, force
         self._all = np.concatenate((limit, np.full(self._share.shape[0], self._wheel_limit)))
 
+    @property
+    def channels(self) -> Vector:
+        """(6+n+wheels,) largest magnitude of every channel, then of every wheel's torque [N, N m]."""
+        return self._all
+
     def fits(self, u: Vector) -> bool:
         """Return True if no channel and no wheel is beyond its limit.
 

@@ -26,6 +26,8 @@ _KINDS: dict[Kind, str] = {
     "controller_telemetry": "what the law wants to be seen, under the stamp of its command",
     "controller_event": "what changed during the run how the law answers, from that stamp on",
     "supervision_event": "what a supervisor found, under the stamp of the state it looked at",
+    "supervision": "what a supervisor decides, under the stamp of the state that is to be answered so",
+    "housekeeping": "a summary for the ground, at some stamps",
     "plant_telemetry": "truth and conservation, under the stamp of the state",
     "plant_event": "what happens to the real robot, from that stamp on",
     "description": "text, once per run",

@@ -189,13 +189,37 @@ class ControlOutput:
         command: to the plant.
         telemetry: what the law wants to be seen of how it came about.
         events: what has changed since the command before.
-        supervision: what a supervisor found at this tick, and changes of mode.
     """
 
     command: Command
     telemetry: Telemetry
     events: tuple[ControllerEvent, ...] = ()
-    supervision: tuple[DiagnosticEvent, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Supervision:
+    """What a supervisor decides at one stamp.
+
+    Attributes:
+        stamp: [ns].
+        mode: that holds from this stamp on.
+        law: that answers: ``controller`` is that of the experiment, any other one is the mode's own.
+        reference: that it follows: ``follow`` (guidance's), ``freeze`` (guidance's at the entry), ``here`` (the
+            measured configuration at the entry).
+        since: stamp of the entry [ns].
+        answer: stamp of the newest answer of the controller that was known [ns]; -1: none.
+        events: what was found at this stamp, and what was done about it.
+        housekeeping: a summary, where one is due.
+    """
+
+    stamp: int
+    mode: str
+    law: str
+    reference: str
+    since: int
+    answer: int = -1
+    events: tuple[DiagnosticEvent, ...] = ()
+    housekeeping: Telemetry | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,6 +246,7 @@ class Tick:
     sample: PlantSample
     reference: Reference
     output: ControlOutput
+    supervision: Supervision | None = None
 
     @property
     def stamp(self) -> int:
@@ -237,6 +262,45 @@ class Controller(Protocol):
 
     def update(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer one state. Raises ControlError where the law cannot go on."""
+
+
+class SupervisedController(Controller, Protocol):
+    """A controller whose law and reference depend on a mode."""
+
+    def supervise(self, decision: Supervision) -> None:
+        """Take note of what holds from the state on that comes next."""
+
+
+class SupervisorUnit(Protocol):
+    """Watches: looks at every state before the controller answers it, and decides on the mode."""
+
+    def reset(self) -> None:
+        """Forget the past; the next update is the first of a run."""
+
+    def order(self, command: str) -> Acknowledgement:
+        """Take a command of the ground, which acts at the next update."""
+
+    def update(
+        self,
+        state: RobotState,
+        reference: Reference,
+        answer: ControlOutput | None = None,
+        events: Sequence[DiagnosticEvent] = (),
+    ) -> Supervision:
+        """Look at one state, its reference, the newest answer to one before and what the plant's monitor reports."""
+
+
+@dataclass(frozen=True, slots=True)
+class Acknowledgement:
+    """The answer to a command of the ground.
+
+    Attributes:
+        accepted: it will act.
+        reason: why not; or what will happen.
+    """
+
+    accepted: bool
+    reason: str
 
 
 class Plant(Protocol):
@@ -262,7 +326,9 @@ class Sink(Protocol):
     def record(self, tick: Tick) -> None:
         """Take one complete tick."""
 
-    def record_unanswered(self, sample: PlantSample, reference: Reference) -> None:
+    def record_unanswered(
+        self, sample: PlantSample, reference: Reference, supervision: Supervision | None = None
+    ) -> None:
         """Take the last state of a run whose controller had no answer to it."""
 
     def close(self, reason: str) -> None:

@@ -13,6 +13,8 @@ Kind = Literal[
     "controller_telemetry",
     "controller_event",
     "supervision_event",
+    "supervision",
+    "housekeeping",
     "plant_telemetry",
     "plant_event",
     "description",
@@ -117,10 +119,29 @@ EVENTS = Topic(
     "events",
     "diagnostic_msgs/msg/DiagnosticArray",
     "supervision_event",
-    "controller",
-    "what a supervisor found at the stamp: monitors that fire and clear, with value and severity, and changes of mode; "
-    "sent before the command",
+    "supervisor",
+    "what a supervisor found at the stamp: monitors that fire and clear, with value and severity, commands of the "
+    "ground, sequences, and changes of mode; sent before the mode",
     sporadic=True,
+    optional=True,
+)
+HOUSEKEEPING = Topic(
+    "housekeeping",
+    "std_msgs/msg/Float64MultiArray",
+    "housekeeping",
+    "supervisor",
+    "labelled blocks in layout.dim: `stamp` [ns], `mode` (its place in the table), `events` (how many so far), and the "
+    "values that the table names; every so many periods",
+    sporadic=True,
+    optional=True,
+)
+SUPERVISOR_MODE = Topic(
+    "supervisor/mode",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    "supervision",
+    "supervisor",
+    "the mode that holds from the stamp on, one status: message is its name, values are `law`, `reference`, `since` "
+    "[ns] and `answer` [ns], the age of the newest command it knew of; the controller answers the state when it has it",
     optional=True,
 )
 WRENCH_COMMAND = Topic(
@@ -255,6 +276,8 @@ TABLE: tuple[Topic, ...] = (
     REFERENCE_JOINTS,
     CONTROLLER_EVENTS,
     EVENTS,
+    HOUSEKEEPING,
+    SUPERVISOR_MODE,
     WRENCH_COMMAND,
     JOINT_COMMAND,
     CONTROLLER_TELEMETRY,

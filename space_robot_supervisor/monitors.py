@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Literal
 
 from space_robot_supervisor.table import MonitorSpec
-from space_robot_supervisor.values import Snapshot, Value
 
 Edge = Literal["fires", "clears"]
 
@@ -15,15 +15,20 @@ class Monitor:
 
     Args:
         spec: its row.
-        value: reads the value.
 
     Attributes:
         spec: its row.
         seen: the value at the last look; None: there was none.
     """
 
-    def __init__(self, spec: MonitorSpec, value: Value) -> None:
-        self.spec, self._value = spec, value
+    __slots__ = ("_count", "_fired", "_high", "_inhibited", "_low", "_restless", "seen", "spec")
+
+    def __init__(self, spec: MonitorSpec) -> None:
+        self.spec = spec
+        self._low, self._high = (
+            -inf if spec.below is None else spec.below,
+            inf if spec.above is None else spec.above,
+        )
         self.reset()
 
     def reset(self) -> None:
@@ -34,14 +39,24 @@ class Monitor:
     def enter(self) -> None:
         """Begin to count again, as when another mode begins."""
         self._count, self._fired = 0, False
+        self._restless = self.spec.unchanged or self._inhibited > 0
         self.seen: float | None = None
 
-    def look(self, now: Snapshot) -> Edge | None:
-        """Look at a tick; whether it fires or clears now.
+    def look(self, value: float | None) -> Edge | None:
+        """Look at the value of a tick; whether it fires or clears now.
 
         It fires at the last of ``for`` periods in a row, and again only after its condition has ended.
         """
-        before, self.seen = self.seen, self._value(now)
+        # Nearly always nothing is the matter, and that is all there is to do.
+        if not self._restless and value is not None and self._low <= value <= self._high:
+            self.seen = value
+            return None
+        edge = self._look_closer(value)
+        self._restless = self.spec.unchanged or self._fired or self._count > 0 or self._inhibited > 0
+        return edge
+
+    def _look_closer(self, value: float | None) -> Edge | None:
+        before, self.seen = self.seen, value
         if self._inhibited:
             self._inhibited -= 1
             return None

@@ -9,6 +9,7 @@ from pydantic import (
     Field,
     NonNegativeFloat,
     NonNegativeInt,
+    PositiveFloat,
     PositiveInt,
     SerializerFunctionWrapHandler,
     model_serializer,
@@ -23,7 +24,16 @@ from space_robot_msgs_py.errors import SpecError
 CONTROLLER = "controller"
 Severity = Literal["info", "low", "medium", "high"]
 SEVERITIES: tuple[Severity, ...] = ("info", "low", "medium", "high")
+# Commands of the ground, and by the mode's name in capitals what they lead to.
+COMMANDS = ("standby", "nominal", "hold", "safe", "stop")
+GroundCommand = Literal["standby", "nominal", "hold", "safe", "stop"]
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^\w[\w.-]*$")]
+
+
+# Names of events that are no monitor's.
+RESERVED = ("mode", "command", "sequence")
+# Keys that older tables do not have: where they say nothing a log has nothing of them.
+LATER = ("schedule", "sequences", "housekeeping")
 
 
 class ModeSpec(Strict):
@@ -35,6 +45,16 @@ class ModeSpec(Strict):
         default="follow",
         description="guidance's; its value at the entry, at rest; the measured configuration at the entry",
     )
+    from_: tuple[Name, ...] = Field(
+        default=(),
+        alias="from",
+        description="modes from which commands, schedule and sequences lead here; default: all",
+    )
+
+    @model_serializer(mode="wrap")
+    def _said_as_typed(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        said = as_typed(handler(self))
+        return said if self.from_ else {key: value for key, value in said.items() if key != "from"}
 
     @model_validator(mode="after")
     def _gains_of_a_law(self) -> Self:
@@ -60,12 +80,13 @@ class MonitorSpec(Strict):
     in_: tuple[Name, ...] = Field(default=(), alias="in", description="modes in which it is looked at; default: all")
     severity: Severity = Field(default="medium", description="of its event; of several that fire the highest decides")
     to: Name | None = Field(default=None, description="mode that it leads to; null: only the event")
+    start: Name | None = Field(default=None, description="sequence that it starts; null: none")
     inhibit_after: NonNegativeInt = Field(default=0, description="control periods without it after it fired")
 
     @model_serializer(mode="wrap")
     def _said_as_typed(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        # Words of Python: the fields have other names, files do not.
-        return {{"for_": "for", "in_": "in"}.get(key, key): value for key, value in handler(self).items()}
+        said = as_typed(handler(self))
+        return said if self.start else {key: value for key, value in said.items() if key != "start"}
 
     @model_validator(mode="after")
     def _one_condition(self) -> Self:
@@ -79,6 +100,34 @@ class MonitorSpec(Strict):
         return self
 
 
+class ScheduleStep(Strict):
+    """What is done at a time of the run."""
+
+    at: NonNegativeFloat = Field(description="time of the run; it acts at the first tick at or after [s]")
+    do: GroundCommand | None = Field(default=None, description="command, as the ground gives it")
+    start: Name | None = Field(default=None, description="sequence that is started")
+
+    @model_validator(mode="after")
+    def _one_thing(self) -> Self:
+        if (self.do is None) == (self.start is None):
+            raise ValueError("give do or start, one of them")
+        return self
+
+
+class SequenceStep(Strict):
+    """What is done some time after a sequence was started."""
+
+    after: NonNegativeFloat = Field(description="time since the start of the sequence [s]")
+    do: GroundCommand = Field(description="command, as the ground gives it")
+
+
+class HousekeepingSpec(Strict):
+    """What is summed up for the ground, and how often."""
+
+    period: PositiveFloat = Field(default=10.0, description="multiple of the control period [s]")
+    values: tuple[str, ...] = Field(default=(), max_length=200, description="values, as monitors read them")
+
+
 class SupervisionTable(Strict):
     """Modes and monitors of a supervisor."""
 
@@ -89,6 +138,17 @@ class SupervisionTable(Strict):
     )
     modes: dict[Name, ModeSpec] = Field(min_length=1)
     monitors: tuple[MonitorSpec, ...] = Field(default=(), max_length=1_000)
+    schedule: tuple[ScheduleStep, ...] = Field(
+        default=(), max_length=1_000, description="what is done when, in the order of time"
+    )
+    sequences: dict[Name, tuple[SequenceStep, ...]] = Field(
+        default_factory=dict, description="steps that a monitor or the schedule may start, in the order of time"
+    )
+    housekeeping: HousekeepingSpec | None = Field(default=None, description="null: none")
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in handler(self).items() if key not in LATER or value}
 
     def check(self, key: str) -> None:
         """Refuse what contradicts itself.
@@ -103,6 +163,8 @@ class SupervisionTable(Strict):
         names = [row.name for row in self.monitors]
         for index, row in enumerate(self.monitors):
             place = f"{key}.monitors.{index}"
+            if row.name in RESERVED:
+                raise SpecError("is the name of other events", key=f"{place}.name", value=row.name)
             if row.name in names[:index]:
                 raise SpecError("there is one of that name", key=f"{place}.name", value=row.name)
             for mode in row.in_:
@@ -116,11 +178,39 @@ class SupervisionTable(Strict):
                     )
         for first, second in self._pairs():
             self._check_pair(first, second, key)
+        self._check_steps(key)
         self._check_reachable(key)
 
     def modes_of(self, row: MonitorSpec) -> tuple[str, ...]:
         """In which modes a row is looked at."""
         return row.in_ or tuple(mode for mode in self.modes if mode != row.to)
+
+    def _check_steps(self, key: str) -> None:
+        for name, mode in self.modes.items():
+            for one in mode.from_:
+                self._check_mode(one, f"{key}.modes.{name}.from")
+        for place, name in self._started():
+            if name not in self.sequences:
+                accepted = nearest(name, self.sequences) or ", ".join(self.sequences) or "a section sequences"
+                raise SpecError("no such sequence", key=f"{key}.{place}", value=name, accepted=accepted)
+        plans = {"schedule": [(step.at, step.do) for step in self.schedule]}
+        plans |= {
+            f"sequences.{name}": [(step.after, step.do) for step in steps] for name, steps in self.sequences.items()
+        }
+        for place, steps in plans.items():
+            for index, (time, command) in enumerate(steps):
+                if index and time < steps[index - 1][0]:
+                    raise SpecError("before the step above", key=f"{key}.{place}.{index}", value=time)
+                if command is not None:
+                    self._check_mode(mode_of(command), f"{key}.{place}.{index}.do")
+
+    def _started(self) -> Iterator[tuple[str, str]]:
+        for index, row in enumerate(self.monitors):
+            if row.start is not None:
+                yield f"monitors.{index}.start", row.start
+        for index, step in enumerate(self.schedule):
+            if step.start is not None:
+                yield f"schedule.{index}.start", step.start
 
     def _check_mode(self, mode: str, key: str) -> None:
         if mode not in self.modes:
@@ -154,12 +244,29 @@ class SupervisionTable(Strict):
     def _check_reachable(self, key: str) -> None:
         reached, news = {self.start}, {self.start}
         while news:
-            news = {row.to for row in self.monitors if row.to and reached & set(self.modes_of(row))} - reached
+            news = {row.to for row in self.monitors if row.to and reached & set(self.modes_of(row))}
+            # The ground may command what has the name of a command, from where the mode allows it.
+            news |= {
+                name
+                for name, mode in self.modes.items()
+                if name.lower() in COMMANDS and name.isupper() and (not mode.from_ or reached & set(mode.from_))
+            }
+            news -= reached
             reached |= news
         for mode in self.modes:
             if mode not in reached:
                 accepted = "a monitor that leads to it, or no such mode"
                 raise SpecError("is never reached", key=f"{key}.modes.{mode}", accepted=accepted)
+
+
+def mode_of(command: str) -> str:
+    """The mode that a command of the ground leads to."""
+    return command.upper()
+
+
+def as_typed(fields: dict[str, Any]) -> dict[str, Any]:
+    """Words of Python: the fields have other names, files do not."""
+    return {{"for_": "for", "in_": "in", "from_": "from"}.get(key, key): value for key, value in fields.items()}
 
 
 def _overlap(first: MonitorSpec, second: MonitorSpec) -> bool:

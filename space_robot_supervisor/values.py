@@ -3,44 +3,66 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import atan2, isfinite, sqrt
+from operator import sub
 
 from space_robot_description.robot import Robot
-from space_robot_description.rotations import log, relative
+from space_robot_description.rotations import relative
 from space_robot_description.spec import ReactionWheels
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Telemetry, Vector
 
 TELEMETRY = "telemetry."
+WHEELS = "wheels.momentum"
+# What the plant's command monitor counts.
+COUNTS = ("command.missed", "command.refused", "command.clipped")
 _XYZ = ("x", "y", "z")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
 class Snapshot:
     """What is known when a state arrives.
 
-    Attributes:
+    Args:
         state: measured.
         reference: of the same stamp, as guidance gave it.
         command: the last one of the controller; None at the first tick.
         telemetry: that came with it.
         wheels: (3,) momentum of the nominal wheels, dead-reckoned from the commands [N m s].
+        counts: of the plant's command monitor, by name.
+
+    Attributes:
+        q: configuration of the state.
+        v: velocity of the state.
+        q_d: configuration of the reference.
     """
 
-    state: RobotState
-    reference: Reference
-    command: Command | None = None
-    telemetry: Telemetry | None = None
-    wheels: Vector | None = None
+    # Lists of floats: of so few numbers several times faster than NumPy.
+    __slots__ = ("command", "counts", "q", "q_d", "reference", "state", "telemetry", "v", "wheels")
+
+    def __init__(
+        self,
+        state: RobotState,
+        reference: Reference,
+        command: Command | None = None,
+        telemetry: Telemetry | None = None,
+        wheels: Vector | None = None,
+        counts: Mapping[str, int] | None = None,
+    ) -> None:
+        self.state, self.reference, self.command, self.telemetry = state, reference, command, telemetry
+        self.wheels, self.counts = wheels, counts
+        self.q: list[float] = state.q.tolist()
+        self.v: list[float] = state.v.tolist()
+        self.q_d: list[float] = reference.q.tolist()
 
 
 # None: there is no such number yet.
 Value = Callable[[Snapshot], float | None]
 
 
-def value_of(name: str, robot: Robot, labels: Sequence[str], limit: Vector, key: str) -> Value:
+def value_of(
+    name: str, robot: Robot, labels: Sequence[str], limit: Vector, key: str, *, counted: bool = False
+) -> Value:
     """The function that reads a value.
 
     Args:
@@ -49,47 +71,53 @@ def value_of(name: str, robot: Robot, labels: Sequence[str], limit: Vector, key:
         labels: of the controller's telemetry.
         limit: (6+n,) of its actuators, infinite where there is none.
         key: of the monitor's row, for errors.
+        counted: the plant's command monitor counts.
 
     Raises:
         SpecError: there is no such value; with the nearest names.
     """
     if name.startswith(TELEMETRY):
         return _telemetry(name, labels, key)
+    if name in COUNTS:
+        if not counted:
+            raise SpecError("nothing counts it", key=key, value=name, accepted="plant.monitor in the experiment")
+        return lambda now: None if now.counts is None else float(now.counts.get(name, 0))
     known = values_of(robot, limit)
     if name not in known:
-        accepted = nearest(name, known) or ", ".join([*known, f"{TELEMETRY}LABEL"])
+        accepted = nearest(name, (*known, *COUNTS)) or ", ".join([*known, *COUNTS, f"{TELEMETRY}LABEL"])
         raise SpecError("no such value", key=key, value=name, accepted=accepted)
     return known[name]
 
 
 def values_of(robot: Robot, limit: Vector) -> dict[str, Value]:
-    """Every value of a robot by name, but those of telemetry."""
+    """Every value of a robot by name, but those of telemetry and the counts."""
     bounds = [(index, most) for index, most in enumerate(limit.tolist()) if isfinite(most)]
     found: dict[str, Value] = {
-        "base.rate": lambda now: _length(now.state.v[3:6]),
-        "base.speed": lambda now: _length(now.state.v[:3]),
-        "joints.rate": lambda now: _largest(now.state.joint_rates),
-        "error.position": lambda now: _length(now.reference.q[:3] - now.state.q[:3]),
-        "error.attitude": lambda now: _norm(log(relative(now.state.q[3:7], now.reference.q[3:7]))),
-        "error.joints": lambda now: _largest(now.reference.q[7:] - now.state.joints),
+        "base.rate": lambda now: _norm(*now.v[3:6]),
+        "base.speed": lambda now: _norm(*now.v[:3]),
+        "joints.rate": lambda now: max(map(abs, now.v[6:]), default=0.0),
+        "error.position": lambda now: _norm(*map(sub, now.q_d[:3], now.q)),
+        "error.attitude": lambda now: _angle(now.q[3:7], now.q_d[3:7]),
+        "error.joints": lambda now: max(map(abs, map(sub, now.q_d[7:], now.q[7:])), default=0.0),
         "command.saturation": lambda now: None if now.command is None else _saturated(now.command, bounds),
     }
     if isinstance(robot.actuators.base_torque, ReactionWheels):
-        found["wheels.momentum"] = lambda now: None if now.wheels is None else _length(now.wheels)
-    parts: Mapping[str, tuple[Callable[[Snapshot], Vector], Sequence[str]]] = {
-        "position": (lambda now: now.state.q[:3], _XYZ),
-        "attitude": (lambda now: now.state.q[3:7], (*_XYZ, "w")),
-        "rate": (lambda now: now.state.v[3:6], _XYZ),
-        "joint.position": (lambda now: now.state.joints, robot.joint_names),
-        "joint.rate": (lambda now: now.state.joint_rates, robot.joint_names),
-    }
-    for part, (read, names) in parts.items():
-        found |= {f"{part}.{name}": _entry(read, index) for index, name in enumerate(names)}
+        found[WHEELS] = lambda now: None if now.wheels is None else _norm(*now.wheels.tolist())
+    parts = {"position": (0, _XYZ), "attitude": (3, (*_XYZ, "w")), "joint.position": (7, robot.joint_names)}
+    for part, (first, names) in parts.items():
+        found |= {f"{part}.{name}": _position(first + index) for index, name in enumerate(names)}
+    rates = {"rate": (3, _XYZ), "joint.rate": (6, robot.joint_names)}
+    for part, (first, names) in rates.items():
+        found |= {f"{part}.{name}": _rate(first + index) for index, name in enumerate(names)}
     return found
 
 
-def _entry(read: Callable[[Snapshot], Vector], index: int) -> Value:
-    return lambda now: float(read(now)[index])
+def _position(index: int) -> Value:
+    return lambda now: now.q[index]
+
+
+def _rate(index: int) -> Value:
+    return lambda now: now.v[index]
 
 
 def _telemetry(name: str, labels: Sequence[str], key: str) -> Value:
@@ -100,31 +128,48 @@ def _telemetry(name: str, labels: Sequence[str], key: str) -> Value:
     if label not in labels:
         accepted = nearest(label, labels) or ", ".join(labels) or "a law with telemetry"
         raise SpecError("no such block of telemetry", key=key, value=name, accepted=accepted)
+    return _Block(label, index).read
 
-    def read(now: Snapshot) -> float | None:
-        if now.telemetry is None or label not in now.telemetry.labels:
+
+class _Block:
+    """One block of telemetry, found once: labels and sizes stay the same for a whole run."""
+
+    def __init__(self, label: str, index: int | None) -> None:
+        self._label, self._index = label, index
+        self._labels: tuple[str, ...] = ()
+        self._place: slice | None = None
+
+    def read(self, now: Snapshot) -> float | None:
+        """The number, or the largest magnitude."""
+        telemetry = now.telemetry
+        if telemetry is None:
             return None
-        block = now.telemetry[label]
-        if index is None:
-            return _largest(block)
-        return float(block[index]) if index < block.size else None
+        if telemetry.labels is not self._labels:
+            self._find(telemetry)
+        if self._place is None:
+            return None
+        block: list[float] = telemetry.data[self._place].tolist()
+        if self._index is None:
+            return max(map(abs, block), default=0.0)
+        return block[self._index] if self._index < len(block) else None
 
-    return read
+    def _find(self, telemetry: Telemetry) -> None:
+        self._labels, self._place = telemetry.labels, None
+        if self._label in telemetry.labels:
+            place = telemetry.labels.index(self._label)
+            start = sum(telemetry.sizes[:place])
+            self._place = slice(start, start + telemetry.sizes[place])
 
 
 def _saturated(command: Command, bounds: Sequence[tuple[int, float]]) -> float:
-    u = command.u.tolist()
-    return float(sum(abs(u[index]) >= most for index, most in bounds) / len(bounds))
+    u = command.wrench.tolist() + command.effort.tolist()
+    return float(sum([abs(u[index]) >= most for index, most in bounds]) / len(bounds))
 
 
-# On Python's floats: of so few numbers several times faster than NumPy.
-def _length(vector: Vector) -> float:
-    return _norm(vector.tolist())
+def _angle(q: Sequence[float], desired: Sequence[float]) -> float:
+    x, y, z, w = relative(q, desired)
+    return 2.0 * atan2(_norm(x, y, z), w)
 
 
-def _norm(parts: Sequence[float]) -> float:
-    return sqrt(sum([part * part for part in parts]))
-
-
-def _largest(vector: Vector) -> float:
-    return float(max(map(abs, vector.tolist()), default=0.0))
+def _norm(x: float, y: float, z: float) -> float:
+    return sqrt(x * x + y * y + z * z)

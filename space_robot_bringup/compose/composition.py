@@ -31,12 +31,13 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
-from space_robot_msgs_py.topics import EVENTS, FAULTS, PLANT_EVENTS, Topic
+from space_robot_msgs_py.topics import EVENTS, FAULTS, HOUSEKEEPING, PLANT_EVENTS, SUPERVISOR_MODE, Topic
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
 
 if TYPE_CHECKING:
+    from space_robot_bringup.compose.supervision import RunSupervisor
     from space_robot_control.laws.base import Law, Review
 
 # Everything whose version can change the bits of a run; the log carries it.
@@ -77,7 +78,14 @@ class Composition:
     @property
     def optional_topics(self) -> tuple[Topic, ...]:
         """The topics that only some runs have and this one does."""
-        wanted = {EVENTS: self.experiment.supervision, FAULTS: self.faults, PLANT_EVENTS: self.experiment.plant.monitor}
+        table = self.experiment.supervision
+        wanted = {
+            EVENTS: table,
+            FAULTS: self.faults,
+            PLANT_EVENTS: self.experiment.plant.monitor,
+            SUPERVISOR_MODE: table,
+            HOUSEKEEPING: None if table is None else table.housekeeping,
+        }
         return tuple(topic for topic, section in wanted.items() if section is not None)
 
     @property
@@ -133,6 +141,19 @@ class Composition:
             law.inbox = ControllerInbox(self.faults)
         return law
 
+    def supervisor(self) -> RunSupervisor | None:
+        """A new supervisor; None: the run has none.
+
+        Raises:
+            SpecError: it reads what there is not.
+        """
+        if self.experiment.supervision is None:
+            return None
+        from space_robot_bringup.compose.supervision import run_supervisor
+
+        inbox = None if self.faults is None else ControllerInbox(self.faults)
+        return run_supervisor(self.experiment, self.nominal, self.controller(), inbox)
+
     def reference(self) -> ReferenceSource:
         """The reference source: a function of time, which all who ask share."""
         return self._reference
@@ -161,6 +182,7 @@ def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
     """
     composition = compose_world(experiment, policy)
     composition.controller()
+    composition.supervisor()
     return composition
 
 

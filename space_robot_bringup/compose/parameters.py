@@ -26,6 +26,8 @@ def rows_of(role: str, composition: Composition) -> list[ParameterRow]:
     if role == "controller":
         rows += [row for row in parameter_rows(experiment.controller) if not row.name.startswith(("gains", "standby"))]
         rows += parameter_rows(experiment.nominal, "nominal.")
+    elif role == "supervisor" and experiment.supervision is not None:
+        rows += parameter_rows(experiment.supervision, "supervision.")
     elif role == "guidance":
         rows += parameter_rows(experiment.reference, "reference.")
     elif role == "simulator":

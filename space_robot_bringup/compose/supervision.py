@@ -1,74 +1,170 @@
-"""A supervised controller: the law of the experiment and those of the modes, behind a supervisor that decides."""
+"""A supervised controller, whose law and reference follow the mode, and the supervisor that decides on the mode."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from space_robot_bringup.experiment.experiment import Experiment
-from space_robot_control.laws.base import Law
+from space_robot_bringup.experiment.timebase import to_nanoseconds
+from space_robot_control.command_delay import CommandDelay
+from space_robot_control.laws.base import Inbox, Law
 from space_robot_control.laws.policy import LawPolicy
 from space_robot_control.laws.registry import BUILT_IN, make_law
-from space_robot_control.laws.switching import ACTIVE, Switching
+from space_robot_control.laws.switching import ACTIVE, HANDOVER, Switching
 from space_robot_control.tracking import ERROR_FIELDS
+from space_robot_control.wheel_momentum import WheelMomentum
 from space_robot_description.actuation import command_limit
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
+from space_robot_msgs_py.events import DiagnosticEvent
+from space_robot_msgs_py.interfaces import Acknowledgement, ControlOutput, Reference, RobotState, Supervision
+from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED
 from space_robot_supervisor.supervisor import Supervisor
-from space_robot_supervisor.table import CONTROLLER, SupervisionTable
-from space_robot_supervisor.values import Snapshot
+from space_robot_supervisor.table import CONTROLLER
+from space_robot_supervisor.values import COUNTS, Snapshot
 
 KEY = "supervision"
 # Stands by where no mode has a law of its own: who switches needs two.
 IDLE = "none"
+_COUNTED = dict(zip((MISSING, REFUSED, CLIPPED), COUNTS, strict=True))
 
 
-class SupervisedController(Switching):
+class ModeController(Switching):
     """Laws that take turns as a supervisor decides, each with the reference of its mode.
+
+    Before a supervisor has decided anything the law of the experiment follows guidance.
 
     Args:
         robot: the NOMINAL robot.
         control_period: [s].
         laws: of the experiment first, then of the modes, by the modes' names.
-        table: modes and monitors.
+        handover: see ``Switching``.
+    """
+
+    def __init__(self, robot: Robot, control_period: float, laws: Mapping[str, Law], *, handover: float) -> None:
+        self._first_law = next(iter(laws))
+        self._decision: Supervision | None = None
+        super().__init__(robot, control_period, laws, handover=handover)
+
+    def reset(self) -> None:
+        """Back to the law of the experiment; all laws are reset."""
+        super().reset()
+        self._held: tuple[str, int, Reference] | None = None
+
+    def supervise(self, decision: Supervision) -> None:
+        """Take note of the mode in which the next state is to be answered."""
+        self._decision = decision
+
+    def control(self, state: RobotState, reference: Reference) -> ControlOutput:
+        """Answer as the law of the mode does; see ``Law.control``."""
+        decision = self._decision
+        if decision is not None:
+            # Whatever else was asked for: the mode decides.
+            self._requested = self._first_law if decision.law == CONTROLLER else decision.mode
+            if decision.reference != "follow":
+                reference = self._hold(decision, state, reference)
+        return super().control(state, reference)
+
+    def _hold(self, decision: Supervision, state: RobotState, reference: Reference) -> Reference:
+        """What was there at the entry into the mode, at rest."""
+        held = self._held
+        if held is None or held[:2] != (decision.mode, decision.since):
+            still = np.zeros(reference.v.size)
+            q = state.q if decision.reference == "here" else reference.q
+            held = self._held = decision.mode, decision.since, Reference(state.stamp, q, still, still)
+        if held[2].stamp == state.stamp:
+            return held[2]
+        return Reference(state.stamp, held[2].q, held[2].v, held[2].a)
+
+
+class RunSupervisor:
+    """A supervisor with what it needs of a run: its links, the wheels' momentum, the counts of the plant's monitor.
+
+    Args:
+        supervisor: decides.
+        robot: the NOMINAL robot.
+        control_period: [s].
+        inbox: what stands between the messages and it; None: nothing.
+    """
+
+    def __init__(self, supervisor: Supervisor, robot: Robot, control_period: float, inbox: Inbox | None) -> None:
+        self._supervisor, self._robot, self._seconds, self._inbox = supervisor, robot, control_period, inbox
+        self._counts_wheels = supervisor.counts_wheels
+        self.reset()
+
+    @property
+    def reads_telemetry(self) -> bool:
+        """It needs the controller's telemetry."""
+        return self._supervisor.reads_telemetry
+
+    @property
+    def reads_counts(self) -> bool:
+        """It needs the events of the plant's command monitor."""
+        return self._supervisor.reads_counts
+
+    def reset(self) -> None:
+        """Forget the past; the next update is the first of a run."""
+        self._supervisor.reset()
+        self._wheels = WheelMomentum(self._robot)
+        self._line = CommandDelay(self._robot.command_delay, none=False)
+        self._counts: Counter[str] = Counter()
+        self._noted = -1
+
+    def order(self, command: str) -> Acknowledgement:
+        """Take a command of the ground, which acts at the next update."""
+        return self._supervisor.order(command)
+
+    def update(
+        self,
+        state: RobotState,
+        reference: Reference,
+        answer: ControlOutput | None = None,
+        events: Sequence[DiagnosticEvent] = (),
+    ) -> Supervision:
+        """Look at one tick and decide; see ``SupervisorUnit``."""
+        if self._inbox is not None:
+            state, reference, _ = self._inbox.hear(state, reference)
+        for event in events:
+            if event.name in _COUNTED:
+                self._counts[_COUNTED[event.name]] += 1
+        if answer is None:
+            return self._supervisor.update(Snapshot(state, reference, None, None, self._wheels.momentum, self._counts))
+        command = answer.command
+        if self._counts_wheels and command.stamp > self._noted:
+            self._noted = command.stamp
+            self._wheels.apply(self._line.acting(command, True)[0].u, self._seconds)
+        known = Snapshot(state, reference, command, answer.telemetry, self._wheels.momentum, self._counts)
+        return self._supervisor.update(known)
+
+
+def run_supervisor(experiment: Experiment, robot: Robot, controller: Law, inbox: Inbox | None) -> RunSupervisor:
+    """The supervisor of an experiment with a supervision table.
+
+    Args:
+        experiment: it has one.
+        robot: the NOMINAL robot.
+        controller: that it watches, for the labels of its telemetry.
+        inbox: of its links.
 
     Raises:
         SpecError: a monitor reads what there is not.
     """
-
-    def __init__(
-        self, robot: Robot, control_period: float, laws: Mapping[str, Law], *, table: SupervisionTable
-    ) -> None:
-        labels = [*ERROR_FIELDS, ACTIVE, "handover"]
-        for name, law in laws.items():
-            labels += [f"{name}.{label}" for label in law.telemetry_fields if label not in ERROR_FIELDS]
-        self._supervisor = Supervisor(table, robot, labels, command_limit(robot), KEY)
-        self._first_law = next(iter(laws))
-        self._output: ControlOutput | None = None
-        super().__init__(robot, control_period, laws, handover=table.handover)
-
-    def reset(self) -> None:
-        """Back to the first mode and its law; all laws are reset."""
-        super().reset()
-        self._supervisor.reset()
-        self._output = None
-
-    def control(self, state: RobotState, reference: Reference) -> ControlOutput:
-        """Decide on the mode, then answer as its law does; see ``Law.control``."""
-        last = self._output
-        command, telemetry = (None, None) if last is None else (last.command, last.telemetry)
-        known = Snapshot(state, reference, command, telemetry, self.wheels.momentum)
-        found = self._supervisor.update(known)
-        # Whatever else was asked for: the mode decides.
-        self.switch_to(self._first_law if self._supervisor.active.law == CONTROLLER else found.mode)
-        output = super().control(state, found.reference)
-        self._output = replace(output, supervision=found.events)
-        return self._output
+    table = experiment.supervision
+    assert table is not None
+    assert isinstance(controller, Switching)
+    labels = [*ERROR_FIELDS, ACTIVE, HANDOVER]
+    for name, law in controller.laws.items():
+        labels += [f"{name}.{label}" for label in law.telemetry_fields if label not in ERROR_FIELDS]
+    counted = getattr(experiment.plant, "monitor", None) is not None
+    supervisor = Supervisor(table, robot, labels, command_limit(robot), KEY, counted=counted)
+    return RunSupervisor(supervisor, robot, experiment.control_period, inbox)
 
 
-def supervised(experiment: Experiment, robot: Robot, policy: LawPolicy) -> SupervisedController:
+def supervised(experiment: Experiment, robot: Robot, policy: LawPolicy) -> ModeController:
     """The controller of an experiment with a supervision table.
 
     Args:
@@ -88,7 +184,7 @@ def supervised(experiment: Experiment, robot: Robot, policy: LawPolicy) -> Super
             laws[mode] = make_law(said.law, robot, period, said.gains, f"{KEY}.modes.{mode}")
     if len(laws) == 1:
         laws[IDLE] = make_law(IDLE, robot, period)
-    return SupervisedController(robot, period, laws, table=table)
+    return ModeController(robot, period, laws, handover=table.handover)
 
 
 def check_supervision(experiment: Experiment) -> None:
@@ -101,6 +197,16 @@ def check_supervision(experiment: Experiment) -> None:
     if table is None:
         return
     table.check(KEY)
+    summary = table.housekeeping
+    if summary is not None and to_nanoseconds(summary.period, f"{KEY}.housekeeping.period") % experiment.period:
+        accepted = f"a multiple of control_period, {experiment.control_period:g} s"
+        raise SpecError("no tick", key=f"{KEY}.housekeeping.period", value=summary.period, accepted=accepted)
+    end = experiment.steps * experiment.control_period
+    for index, step in enumerate(table.schedule):
+        if step.at > end:
+            raise SpecError(
+                "after the end", key=f"{KEY}.schedule.{index}.at", value=step.at, accepted=f"up to {end:g} s"
+            )
     if experiment.controller.standby:
         accepted = "laws of modes instead of controller.standby"
         raise SpecError("decides which law runs", key=KEY, accepted=accepted)

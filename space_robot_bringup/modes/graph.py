@@ -16,17 +16,18 @@ from rclpy.experimental import EventsExecutor
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.compose.parameters import rows_of
 from space_robot_bringup.modes.context import private_context
-from space_robot_bringup.modes.hooks import ROLES, Hooks
+from space_robot_bringup.modes.hooks import SUPERVISOR, Hooks, roles_of
 from space_robot_bringup.modes.signals import Interrupted
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_control.nodes.guidance import GuidanceNode
-from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.log.writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_sim.nodes.recorder import AHEAD_BESIDE, AHEAD_IN_ONE_PROCESS, RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
+from space_robot_supervisor.nodes.supervisor import SupervisorNode
 
 # A finite timeout: without one this executor neither fires timers nor sleeps.
 SPIN_TIMEOUT = 0.05
@@ -44,11 +45,13 @@ class Graph:
     guidance: GuidanceNode
     controller: ControllerNode
     simulator: SimulatorNode
+    supervisor: SupervisorNode | None = None
 
     @property
     def nodes(self) -> tuple[GraphNode, ...]:
         """In the order they came to be: who listens first, who speaks last."""
-        return self.recorder, self.guidance, self.controller, self.simulator
+        watching = () if self.supervisor is None else (self.supervisor,)
+        return self.recorder, self.guidance, *watching, self.controller, self.simulator
 
 
 def make_node(
@@ -60,10 +63,14 @@ def make_node(
     mode: str,
     **options: Any,
 ) -> GraphNode:
-    """One node of the graph by its role, to be brought up: recorder, guidance, controller or simulator."""
+    """One node of the graph by its role, to be brought up: recorder, guidance, supervisor, controller or simulator.
+
+    Raises:
+        SpecError: a supervisor in a run without supervision.
+    """
     experiment, names = composition.experiment, composition.joint_names
     options |= {"rows": [*options.pop("rows", ()), *rows_of(role, composition)]}
-    if role in MANAGED:
+    if role in (*MANAGED, SUPERVISOR):
         options["steered"] = mode != "graph"
     timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
     optional = {"optional": composition.optional_topics}
@@ -74,12 +81,31 @@ def make_node(
         return RecorderNode(_writers(composition, directory, mode), names, **timing, **options)
     if role == "guidance":
         return GuidanceNode(composition.reference(), names, **timing, **options)
+    if role == SUPERVISOR:
+        return _supervisor_node(composition, lossless=realtime is None, **options)
     if role == "controller":
         supervised = composition.experiment.supervision is not None
         return ControllerNode(composition.controller, names, supervised=supervised, **options)
     timing |= optional
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
+    )
+
+
+def _supervisor_node(composition: Composition, *, lossless: bool, **options: Any) -> SupervisorNode:
+    supervisor = composition.supervisor()
+    if supervisor is None:
+        raise SpecError("this run has none", key="supervision", accepted="a shipped table, or a run without this node")
+    return SupervisorNode(
+        # Of a composition that could make one it can be made again.
+        lambda: composition.supervisor() or supervisor,
+        composition.joint_names,
+        period=composition.experiment.period,
+        optional=composition.optional_topics,
+        lossless=lossless,
+        telemetry=supervisor.reads_telemetry,
+        monitored=supervisor.reads_counts,
+        **options,
     )
 
 
@@ -106,7 +132,7 @@ def make_graph(
     """
     made: dict[str, Any] = {}
     try:
-        for role in ROLES:
+        for role in roles_of(supervised=composition.experiment.supervision is not None):
             options: dict[str, Any] = {"mode": "graph", "context": context, **LIGHT}
             made[role] = make_node(role, composition, directory, realtime=realtime, **options)
             # One after the other: a command then reaches the recorder, whose subscriptions are older, before the

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.modes import headless
@@ -11,7 +12,17 @@ from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.signals import Interrupted
 from space_robot_control.laws.guarded import LawError, guarded_update
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.interfaces import Controller, Plant, ReferenceSource, Sink, Tick
+from space_robot_msgs_py.interfaces import (
+    Controller,
+    ControlOutput,
+    Plant,
+    ReferenceSource,
+    Sink,
+    SupervisedController,
+    Supervision,
+    SupervisorUnit,
+    Tick,
+)
 from space_robot_msgs_py.log.writer import LogSink, MemorySink
 
 
@@ -22,6 +33,7 @@ def run(
     *,
     steps: int,
     sink: Sink,
+    supervisor: SupervisorUnit | None = None,
     on_tick: Callable[[int], None] = lambda tick: None,
     stop: Callable[[], str | None] = lambda: None,
     on_failure: Callable[[BaseException], None] = lambda error: None,
@@ -36,6 +48,7 @@ def run(
         reference: the desired motion.
         steps: number of control periods.
         sink: takes every tick; it is closed with the reason of the end, whatever happens.
+        supervisor: looks at every state before the controller, which is then a ``SupervisedController``.
         on_tick: called with each finished tick.
         stop: asked before each tick; a reason ends the run.
         on_failure: called with the error of a law, plant, reference or sink that ended the run.
@@ -46,7 +59,7 @@ def run(
     """
     reason, at = "failed", _Position()
     try:
-        reason = _loop(plant, controller, reference, steps, sink, on_tick, stop, at)
+        reason = _loop(plant, controller, supervisor, reference, steps, sink, on_tick, stop, at)
     except SpaceRobotError as error:
         reason = f"{'recorder' if isinstance(error, LogError) else at.role}: {error}"
         on_failure(error)
@@ -73,6 +86,7 @@ class _Position:
 def _loop(
     plant: Plant,
     controller: Controller,
+    supervisor: SupervisorUnit | None,
     reference: ReferenceSource,
     steps: int,
     sink: Sink,
@@ -81,6 +95,10 @@ def _loop(
     at: _Position,
 ) -> str:
     controller.reset()
+    if supervisor is not None:
+        supervisor.reset()
+    found: Supervision | None = None
+    output: ControlOutput | None = None
     sample = plant.reset()
     for tick in range(steps + 1):
         reason = stop()
@@ -88,14 +106,18 @@ def _loop(
             return reason
         at.role = "guidance"
         target = reference.at(sample.state.stamp)
+        if supervisor is not None:
+            at.role = "supervisor"
+            found = supervisor.update(sample.state, target, output, sample.events)
+            cast(SupervisedController, controller).supervise(found)
         at.role = "controller"
         try:
             output = guarded_update(controller, sample.state, target, tick)
         except (SpaceRobotError, Interrupted):
-            sink.record_unanswered(sample, target)
+            sink.record_unanswered(sample, target, found)
             raise
         at.role = "recorder"
-        sink.record(Tick(sample, target, output))
+        sink.record(Tick(sample, target, output, found))
         on_tick(tick)
         at.role = "simulator"
         if tick < steps:
@@ -130,6 +152,7 @@ def run_in_memory(composition: Composition, hooks: Hooks | None = None) -> Memor
         composition.reference(),
         steps=composition.experiment.steps,
         sink=sink,
+        supervisor=composition.supervisor(),
         on_tick=hooks.on_tick,
         stop=hooks.stop,
         on_failure=failures.append,

@@ -7,6 +7,13 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 ROLES = ("recorder", "guidance", "controller", "simulator")
+# Only in runs with a table of supervision, before the controller.
+SUPERVISOR = "supervisor"
+
+
+def roles_of(*, supervised: bool) -> tuple[str, ...]:
+    """The roles of a run, in the order to bring them up: a node listens before it is spoken to."""
+    return ("recorder", "guidance", SUPERVISOR, "controller", "simulator") if supervised else ROLES
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.modes.context import reserved_domain
-from space_robot_bringup.modes.hooks import ROLES
+from space_robot_bringup.modes.hooks import roles_of
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ParentEnd
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.log.closing import close_log_of_dead_writer
@@ -57,7 +57,9 @@ def run_processes(
     with tempfile.TemporaryFile(prefix="space-robot-") as experiment, reserved_domain() as domain:
         experiment.write(composition.header.experiment.encode())
         experiment.flush()
-        children = _NodeProcesses(directory, _arguments(realtime, hooks), experiment.fileno(), domain, late or {})
+        roles = roles_of(supervised=composition.experiment.supervision is not None)
+        starts = {role: (late or {}).get(role, 0.0) for role in roles}
+        children = _NodeProcesses(directory, _arguments(realtime, hooks), experiment.fileno(), domain, starts)
         try:
             return children.watch(hooks)
         finally:
@@ -77,18 +79,18 @@ class _NodeProcesses:
         arguments: of every child.
         experiment: descriptor of a file with the resolved experiment.
         domain: of the run.
-        late: see ``run_processes``.
+        starts: roles, and by how many seconds each starts late.
     """
 
     def __init__(
-        self, place: RunDirectory, arguments: list[str], experiment: int, domain: int, late: Mapping[str, float]
+        self, place: RunDirectory, arguments: list[str], experiment: int, domain: int, starts: Mapping[str, float]
     ) -> None:
         self._place, self._arguments, self._experiment = place, arguments, experiment
         self._environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
         self._children: dict[str, subprocess.Popen[bytes]] = {}
         self._tethers: dict[str, ParentEnd] = {}
         self._selector = selectors.DefaultSelector()
-        self._due = {role: monotonic() + late.get(role, 0.0) for role in ROLES}
+        self._due = {role: monotonic() + late for role, late in starts.items()}
         self._tick = -1
         self._recording = False
         self._order: str | None = None

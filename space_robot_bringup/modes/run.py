@@ -168,6 +168,7 @@ def _execute(
     if mode == "headless":
         # The log last: what cannot be made leaves none behind.
         plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
+        supervisor = composition.supervisor()
         sink = LogSink(directory, composition.header, custom={"mode": mode})
         return headless.run(
             plant,
@@ -175,6 +176,7 @@ def _execute(
             reference,
             steps=composition.experiment.steps,
             sink=sink,
+            supervisor=supervisor,
             on_tick=hooks.on_tick,
             stop=hooks.stop,
             on_failure=hooks.on_failure,

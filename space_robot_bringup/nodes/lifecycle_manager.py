@@ -33,7 +33,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Take all nodes to a state. Returns 0, 1 where one does not get there, 2 on bad input."""
     own, ros = split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
     parser = argparse.ArgumentParser(prog="space_robot_bringup.nodes.lifecycle_manager", description=__doc__)
-    parser.add_argument("--nodes", nargs="+", default=list(MANAGED), help="in the order to bring them up")
+    parser.add_argument(
+        "--nodes",
+        nargs="+",
+        default=list(MANAGED),
+        help="in the order to bring them up; default: controller simulator; a supervisor comes first",
+    )
     parser.add_argument("--to", choices=STATES, default="active", help="state to take them to; default active")
     parser.add_argument(
         "--patience", type=float, default=300.0, help="for every node [s]; default 300: its first start compiles"

@@ -21,7 +21,7 @@ def replay(
     log: StrPath,
     overrides: Overrides | None = None,
     *,
-    against: Literal["controller", "plant", "both"] = "both",
+    against: Literal["controller", "plant", "supervisor", "both"] = "both",
     rtol: float = 0.0,
     atol: float = 0.0,
     ignore: Sequence[str] = (),
@@ -35,7 +35,8 @@ def replay(
     Args:
         log: a run, run directory or .mcap file; or a bag of another tool, with ``experiment``.
         overrides: of the recorded experiment, see ``run``.
-        against: ``controller`` (recorded states in, commands out), ``plant`` (commands in, states out) or ``both``.
+        against: ``controller`` (recorded states in, commands out), ``plant`` (commands in, states out), ``supervisor``
+            (states, commands and orders in, modes and events out) or ``both``: all of them that the run has.
         rtol: what counts as equal, relative to the largest number of a block [-]; with both zero the bits are compared.
         atol: likewise, absolute, in the unit of the field.
         ignore: topics, or topic/block, that are not compared.

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from space_robot_bringup.compose.supervision import ModeController
 from space_robot_bringup.replay.comparison import Tolerance
 from space_robot_bringup.replay.controller_events import apply_event
 from space_robot_bringup.replay.recording import Recording, other_code
 from space_robot_bringup.replay.result import Outcome
 from space_robot_bringup.replay.side import SideReplay
-from space_robot_msgs_py.codec.codecs import decode_events, decode_statuses
+from space_robot_msgs_py.codec.codecs import decode_events
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent, DiagnosticEvent, said
+from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
-from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, EVENTS, topics_of
+from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, topics_of
 
 FAILED = "controller: "
 _ANSWERS = (*topics_of("command"), CONTROLLER_TELEMETRY)
@@ -35,6 +36,7 @@ class _ControllerReplay(SideReplay):
     def __init__(self, recording: Recording, tolerance: Tolerance) -> None:
         super().__init__(recording, tolerance)
         self._law = self._composition.controller()
+        self._supervised = self._law if isinstance(self._law, ModeController) else None
         self._code = other_code(recording)
         self._source: ReferenceSource = self._composition.reference()
         # Where the recorded law gave up, the state it had no answer to is the last one.
@@ -76,6 +78,7 @@ class _ControllerReplay(SideReplay):
             return ""
         self._ticks += 1
         self._apply_events(parts)
+        self._supervise(stamp, parts)
         try:
             output = self._law.update(state, reference)
         except SpaceRobotError as error:
@@ -89,16 +92,21 @@ class _ControllerReplay(SideReplay):
         fresh = "; ".join(event.line for event in output.events)
         recorded = "; ".join(event.line for event in self._events(parts))
         self._comparison.event(CONTROLLER_EVENTS.name, stamp, "events", recorded, fresh)
-        self._comparison.event(EVENTS.name, stamp, "events", said(self._found(parts)), said(output.supervision))
         return ""
 
-    def _found(self, parts: Mapping[str, bytes]) -> tuple[DiagnosticEvent, ...]:
-        raw = parts.get(EVENTS.name)
+    def _supervise(self, stamp: int, parts: Mapping[str, bytes]) -> None:
+        """The mode that the recorded controller was told."""
+        if self._supervised is None:
+            return
         try:
-            return () if raw is None else decode_statuses(raw)
+            found = self._codec.decode_supervision(parts, stamp)
         except SpaceRobotError as error:
-            self._notes[f"recorded events cannot be read ({error})"] += 1
-            return ()
+            self._notes[f"recorded modes cannot be read ({error})"] += 1
+            return
+        if found is None:
+            self._notes["states have no recorded mode: the mode before holds"] += 1
+        else:
+            self._supervised.supervise(found)
 
     def _apply_events(self, parts: Mapping[str, bytes]) -> None:
         """Apply the recorded events to the fresh law; it reports them itself."""

@@ -6,15 +6,16 @@ import tempfile
 from pathlib import Path
 
 from space_robot_bringup.modes import headless
-from space_robot_bringup.replay.controller_events import Repeated
+from space_robot_bringup.replay.controller_events import Repeated, RepeatedOrders
 from space_robot_bringup.replay.recording import Recording
-from space_robot_msgs_py.codec.codecs import decode_events
+from space_robot_msgs_py.codec.codecs import decode_events, decode_statuses
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.log.bag import Bag
 from space_robot_msgs_py.log.directory import BAG_SUFFIX, METADATA_FILE
 from space_robot_msgs_py.log.writer import LogSink
-from space_robot_msgs_py.topics import CONTROLLER_EVENTS
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS, EVENTS
+from space_robot_supervisor.reports import orders_in
 
 _HEADLESS = {"mode": "headless"}
 
@@ -38,7 +39,9 @@ def update_reference(recording: Recording) -> bool:
             sink = LogSink(Path(scratch) / old.name.removesuffix(BAG_SUFFIX), composition.header, custom=_HEADLESS)
             controller = Repeated(composition.controller(), _events(recording))
             parts = composition.plant(), controller, composition.reference()
-            reason = headless.run(*parts, steps=composition.experiment.steps, sink=sink)
+            steps, watch = composition.experiment.steps, composition.supervisor()
+            supervisor = None if watch is None else RepeatedOrders(watch, _orders(recording))
+            reason = headless.run(*parts, steps=steps, sink=sink, supervisor=supervisor)
             if reason not in ("completed", recording.end_reason):
                 raise LogError(f"the new run ends otherwise: {reason}", key=str(old), accepted="the old bag stays")
             return _replace(old, sink.writer.path)
@@ -52,6 +55,12 @@ def _events(recording: Recording) -> dict[int, tuple[ControllerEvent, ...]]:
     """Recorded changes belong to the run, and are applied in the new one too."""
     rows = ((stamp, parts.get(CONTROLLER_EVENTS.name)) for stamp, parts in recording.rows())
     return {stamp: decode_events(raw) for stamp, raw in rows if raw is not None}
+
+
+def _orders(recording: Recording) -> dict[int, list[str]]:
+    """So do the commands of the ground."""
+    rows = ((stamp, parts.get(EVENTS.name)) for stamp, parts in recording.rows())
+    return {stamp: orders_in(decode_statuses(raw)) for stamp, raw in rows if raw is not None}
 
 
 def _bag_file(recording: Recording) -> Path:

@@ -13,10 +13,13 @@ from space_robot_bringup.replay.controller import replay_controller
 from space_robot_bringup.replay.plant import replay_plant
 from space_robot_bringup.replay.recording import NO_CODE, Code, Recording, open_recording
 from space_robot_bringup.replay.result import Outcome
+from space_robot_bringup.replay.supervisor import replay_supervisor
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.paths import StrPath
 
-SIDES = {"controller": (replay_controller,), "plant": (replay_plant,), "both": (replay_controller, replay_plant)}
+SIDES = {"controller": replay_controller, "plant": replay_plant, "supervisor": replay_supervisor}
+# What is compared where nothing is said: all that the run has.
+ALL = "both"
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +27,7 @@ class ReplayOptions:
     """What to replay and how.
 
     Attributes:
-        against: ``controller``, ``plant`` or ``both``.
+        against: ``controller``, ``plant``, ``supervisor`` or ``both``: all of them that the run has.
         tolerance: what counts as equal.
         overrides: of the recorded experiment, see ``load_experiment``.
         experiment: for bags without one.
@@ -40,8 +43,15 @@ class ReplayOptions:
     code: Code = NO_CODE
 
     def __post_init__(self) -> None:
-        if self.against not in SIDES:
-            raise SpecError("no such side", key="--against", value=self.against, accepted=", ".join(SIDES))
+        if self.against not in (*SIDES, ALL):
+            raise SpecError("no such side", key="--against", value=self.against, accepted=", ".join((*SIDES, ALL)))
+
+    def sides(self, recording: Recording) -> tuple[str, ...]:
+        """What is computed again of a run."""
+        if self.against != ALL:
+            return (self.against,)
+        watched = recording.composition.experiment.supervision is not None
+        return tuple(side for side in SIDES if side != "supervisor" or watched)
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +86,9 @@ def replay(bag: Path, options: ReplayOptions, on_notice: Callable[[str], None] =
     recording = open_recording(
         bag, experiment=options.experiment, overrides=options.overrides, namespace=options.namespace, code=options.code
     )
-    composition, plant = recording.composition, options.against != "controller"
+    composition, plant = recording.composition, options.against in ("plant", ALL)
     # Of a plant alone no law is made.
     laws = composition.experiment.controller if options.against != "plant" else None
     if line := notice(laws.law_names if laws else (), plant=plant, policy=composition.policy):
         on_notice(line)
-    return Replayed(recording, tuple(side(recording, options.tolerance) for side in SIDES[options.against]))
+    return Replayed(recording, tuple(SIDES[side](recording, options.tolerance) for side in options.sides(recording)))

@@ -9,7 +9,7 @@ from typing import Literal
 from space_robot_bringup.replay.comparison import Comparison, Divergence
 from space_robot_msgs_py.topics import Topic
 
-Against = Literal["controller", "plant"]
+Against = Literal["controller", "plant", "supervisor"]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import accumulate
 
 import numpy as np
-import numpy.typing as npt
 
 from space_robot_control.command_delay import CommandDelay
 from space_robot_control.laws.base import Blocks, Law, Review
@@ -79,6 +79,11 @@ class Switching(Law):
             self._check_name(name)
         self._switches, self._handover = tuple(switches), round(handover * NANOSECONDS)
         self.reset()
+
+    @property
+    def laws(self) -> Mapping[str, Law]:
+        """The laws by name, the first one first."""
+        return self._laws
 
     @property
     def active(self) -> str:
@@ -246,14 +251,13 @@ class _Layout:
         self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
         places, self._switch = _places(blocks), 12 + 2 * n
         self._nothing = np.zeros(sum(self.sizes))
-        self._moves: dict[str, tuple[int, npt.NDArray[np.intp], npt.NDArray[np.intp], bool]] = {}
+        self._moves: dict[str, tuple[int, list[tuple[slice, slice]], bool]] = {}
         for index, (name, one) in enumerate(telemetry.items()):
-            source, target = [], []
+            moves: list[tuple[slice, slice]] = []
             for label, place in _places(_sizes(one)).items():
                 if label not in errors or name in own:
-                    source.append(place)
-                    target.append(places[label if label in errors else f"{name}.{label}"])
-            self._moves[name] = index, _joined(source), _joined(target), name in own
+                    _append(moves, place, places[label if label in errors else f"{name}.{label}"])
+            self._moves[name] = index, moves, name in own
 
     def of(self, name: str, own: Telemetry, state: RobotState, reference: Reference, weight: float) -> Telemetry:
         """All telemetry of a state, of which all but the errors is 0 for the laws that are idle.
@@ -265,9 +269,10 @@ class _Layout:
             reference: that it followed.
             weight: of the handover.
         """
-        index, source, target, has_errors = self._moves[name]
+        index, moves, has_errors = self._moves[name]
         data = self._nothing.copy()
-        data[target] = own.data[source]
+        for source, target in moves:
+            data[target] = own.data[source]
         if not has_errors:
             errors, split = tracking_errors(state, reference), self._switch // 2
             data[:split], data[split : self._switch] = errors.configuration, errors.velocity
@@ -279,11 +284,15 @@ def _sizes(telemetry: Telemetry) -> dict[str, int]:
     return dict(zip(telemetry.labels, telemetry.sizes, strict=True))
 
 
-def _places(sizes: Mapping[str, int]) -> dict[str, npt.NDArray[np.intp]]:
-    """Indices of the numbers of each block."""
-    ends = np.cumsum([0, *sizes.values()])
-    return {label: np.arange(start, start + size) for (label, size), start in zip(sizes.items(), ends, strict=False)}
+def _places(sizes: Mapping[str, int]) -> dict[str, slice]:
+    """Where the numbers of each block stand."""
+    ends = list(accumulate(sizes.values(), initial=0))
+    return {label: slice(start, start + size) for (label, size), start in zip(sizes.items(), ends, strict=False)}
 
 
-def _joined(parts: Sequence[npt.NDArray[np.intp]]) -> npt.NDArray[np.intp]:
-    return np.concatenate([np.zeros(0, np.intp), *parts])
+def _append(moves: list[tuple[slice, slice]], source: slice, target: slice) -> None:
+    """One more move; neighbours are moved at once."""
+    if moves and (moves[-1][0].stop, moves[-1][1].stop) == (source.start, target.start):
+        before = moves.pop()
+        source, target = slice(before[0].start, source.stop), slice(before[1].start, target.stop)
+    moves.append((source, target))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from time import perf_counter
-from typing import Any
+from typing import Any, cast
 
 from rclpy.duration import Duration
 from std_srvs.srv import Trigger
@@ -14,29 +14,20 @@ from space_robot_control.laws.guarded import guarded_update
 from space_robot_control.laws.switching import ACTIVE, Switching
 from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
-from space_robot_msgs_py.codec.codecs import (
-    CommandCodec,
-    ReferenceCodec,
-    StateCodec,
-    TelemetryCodec,
-    encode_events,
-    encode_tick_statuses,
-)
+from space_robot_msgs_py.codec.codecs import CommandCodec, SupervisionCodec, TelemetryCodec, encode_events
 from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
-from space_robot_msgs_py.codec.values import Blocks, all_finite
 from space_robot_msgs_py.errors import SpaceRobotError
-from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState
-from space_robot_msgs_py.joiner import StampJoiner
+from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState, SupervisedController
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
-from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, EVENTS, WRENCH_COMMAND, Topic
+from space_robot_msgs_py.nodes.tick_inputs import TickInputs
+from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, SUPERVISOR_MODE, WRENCH_COMMAND
 
-JOIN_CAPACITY = 1024
 HEARING_SECONDS = 5.0
 
 
 class ControllerNode(ManagedNode):
-    """Joins state and reference of equal stamp, updates the law, publishes command and telemetry under the same stamp.
+    """Joins state, reference and mode of equal stamp, updates the law, publishes command and telemetry of that stamp.
 
     Dynamic gains are dynamic parameters; a change acts from the next state on and is published on ``controller/events``
     before the command it acts on. With laws in standby ``~/switch`` (std_srvs/Trigger) and the parameter
@@ -50,7 +41,7 @@ class ControllerNode(ManagedNode):
     Args:
         make_law: builds the law, each time the node is configured.
         joint_names: the robot's joints in model order.
-        supervised: a supervisor decides which law answers, and its events are published.
+        supervised: a supervisor decides on the mode of every state, and the law is a ``SupervisedController``.
         name: node name.
         options: see ManagedNode.
     """
@@ -66,20 +57,15 @@ class ControllerNode(ManagedNode):
     ) -> None:
         super().__init__(name, **options)
         self._make_law, self._supervised = make_law, supervised
-        self._state = StateCodec(joint_names)
-        self._reference = ReferenceCodec(joint_names)
         self._command = CommandCodec(joint_names)
         self._marks = SenderMark(self._command.layouts)
         self._telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
         self._tuned: list[dict[str, Any]] = []
         self._last_stamp, self._passed_by = -1, False
-        self._waiting: tuple[RobotState, Reference] | None = None
-        self._inputs = (*self._state.topics, *self._reference.topics)
-        self._joiner: StampJoiner[Blocks] = StampJoiner(
-            len(self._inputs), JOIN_CAPACITY, once=False, choose=self._choose
-        )
-        for index, topic in enumerate(self._inputs):
-            self._listen_part(index, topic)
+        self._waiting: tuple[RobotState, Reference, tuple[bytes, ...]] | None = None
+        self._modes = SupervisionCodec()
+        beside = [(SUPERVISOR_MODE, lambda raw: self._modes.decode(raw).stamp)] if supervised else []
+        self._inputs = TickInputs(self, joint_names, self._take_in, beside)
         self.keep()
 
     @property
@@ -90,7 +76,7 @@ class ControllerNode(ManagedNode):
     @property
     def malformed(self) -> int:
         """How many messages were refused because they are no state or reference."""
-        return sum(self.refusals[topic.name] for topic in self._inputs)
+        return self._inputs.malformed
 
     def configure(self) -> None:
         """Build the law; states that come before it is activated wait."""
@@ -108,8 +94,7 @@ class ControllerNode(ManagedNode):
         self._mark = mine.pop() if len(mine) == 1 else UNMARKED
         self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
         self._event_publisher = self.publisher(CONTROLLER_EVENTS)
-        self._supervision_publisher = self.publisher(EVENTS) if self._supervised else None
-        if isinstance(self._law, Switching):
+        if isinstance(self._law, Switching) and not self._supervised:
             self.create_service(Trigger, "~/switch", self._on_switch)
 
     def activate(self) -> None:
@@ -135,59 +120,21 @@ class ControllerNode(ManagedNode):
         gains = {key: value for key, value in changes.items() if key != ACTIVE}
         self._tuned = [one for one in self._tuned if one.keys() != gains.keys()] + [gains] * bool(gains)
 
-    def _listen_part(self, index: int, topic: Topic) -> None:
-        split = len(self._state.topics)
-        codec, part = (self._state, index) if index < split else (self._reference, index - split)
-
-        def on_part(raw: bytes) -> None:
-            try:
-                # Checked alone: a part that does not fit must not take those of its stamp down with it.
-                codec.peek(part, raw)
-                stamp, blocks = codec.decode_part(part, raw)
-            except SpaceRobotError as error:
-                self.refuse(topic, error)
-                return
-            joined = self._joiner.add(index, stamp, blocks)
-            if joined is not None:
-                self._join(stamp, joined)
-
-        self.listen(topic, on_part)
-
-    def _choose(self, index: int, there: Blocks, new: Blocks) -> Blocks:
-        """Of two parts of one stamp: of a state the newer, because a stranger's comes before its time."""
-        better, worse = (new, there) if index < len(self._state.topics) else (there, new)
-        if better == worse:
-            return better
-        self.refuse(self._inputs[index], "two that differ have one stamp")
-        return better if all_finite(better) else worse
-
-    def _join(self, stamp: int, parts: Sequence[Blocks]) -> None:
-        split = len(self._state.topics)
-        try:
-            state = self._state.join(stamp, parts[:split])
-            reference = self._reference.join(stamp, parts[split:])
-        except SpaceRobotError as error:
-            for index, blocks in enumerate(parts):
-                if all_finite(blocks):
-                    self._joiner.add(index, stamp, blocks)
-                else:
-                    self.refuse(self._inputs[index], error)
-            return
-        self._take_in(state, reference)
-
-    def _take_in(self, state: RobotState, reference: Reference) -> None:
+    def _take_in(self, state: RobotState, reference: Reference, beside: tuple[bytes, ...]) -> None:
         if self.active:
-            self._answer(state, reference)
+            self._answer(state, reference, beside)
             return
         self._passed_by = self._passed_by or self._waiting is not None
-        self._waiting = state, reference
+        self._waiting = state, reference, beside
 
-    def _answer(self, state: RobotState, reference: Reference) -> None:
+    def _answer(self, state: RobotState, reference: Reference, beside: tuple[bytes, ...]) -> None:
         self._waiting = None
         if state.stamp <= self._last_stamp:
             self._law.reset()
             self._show_active()
         self._last_stamp = state.stamp
+        for raw in beside:
+            cast(SupervisedController, self._law).supervise(self._modes.decode(raw))
         begun = perf_counter()
         try:
             output = guarded_update(self._law, state, reference, self._tick_of(state.stamp))
@@ -201,10 +148,6 @@ class ControllerNode(ManagedNode):
         return round(stamp / (self._law.control_period * NANOSECONDS))
 
     def _send(self, output: ControlOutput) -> None:
-        if self._supervision_publisher is not None:
-            # At every tick, because the recorder waits for what it expects only.
-            found = encode_tick_statuses(output.command.stamp, output.supervision)
-            self._supervision_publisher.publish(found)
         if output.events:
             self._event_publisher.publish(encode_events(output.events))
             # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.

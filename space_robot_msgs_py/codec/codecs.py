@@ -1,6 +1,7 @@
 """Every codec under one roof: values, texts and raw messages to and from canonical bytes."""
 
 from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses, encode_tick_statuses, says_none
+from space_robot_msgs_py.codec.supervision import SupervisionCodec
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.texts import (
     decode_clock,
@@ -11,7 +12,14 @@ from space_robot_msgs_py.codec.texts import (
     encode_string,
     peek_stamp,
 )
-from space_robot_msgs_py.codec.topic_bytes import LOGGED, TickCodec, TopicBytes, plant_events
+from space_robot_msgs_py.codec.topic_bytes import (
+    LOGGED,
+    TickCodec,
+    TopicBytes,
+    encode_tick_housekeeping,
+    is_empty,
+    plant_events,
+)
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec
 
 __all__ = [
@@ -19,6 +27,7 @@ __all__ = [
     "CommandCodec",
     "ReferenceCodec",
     "StateCodec",
+    "SupervisionCodec",
     "TelemetryCodec",
     "TickCodec",
     "TopicBytes",
@@ -30,7 +39,9 @@ __all__ = [
     "encode_events",
     "encode_statuses",
     "encode_string",
+    "encode_tick_housekeeping",
     "encode_tick_statuses",
+    "is_empty",
     "peek_stamp",
     "plant_events",
     "says_none",

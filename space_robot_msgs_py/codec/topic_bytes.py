@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from space_robot_msgs_py.codec.generic import canonical_message
 from space_robot_msgs_py.codec.layout import Layout
-from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses
+from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses, says_none
+from space_robot_msgs_py.codec.supervision import SupervisionCodec
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.texts import decode_events, encode_events, peek_stamp
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec, check_size
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
-from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Telemetry, Tick
+from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Supervision, Telemetry, Tick
 from space_robot_msgs_py.limits import TELEMETRY_BYTES
 from space_robot_msgs_py.topics import (
     CONTROLLER_EVENTS,
     CONTROLLER_TELEMETRY,
     EVENTS,
     FAULTS,
+    HOUSEKEEPING,
     PLANT_EVENTS,
     PLANT_TELEMETRY,
+    SUPERVISOR_MODE,
     TABLE,
     Topic,
 )
@@ -39,7 +44,7 @@ def value_layouts(joint_names: Sequence[str]) -> dict[Topic, Layout]:
 
 def telemetry_codecs() -> dict[Topic, TelemetryCodec]:
     """The codec of each telemetry topic."""
-    return {topic: TelemetryCodec(topic) for topic in (CONTROLLER_TELEMETRY, PLANT_TELEMETRY)}
+    return {topic: TelemetryCodec(topic) for topic in (CONTROLLER_TELEMETRY, PLANT_TELEMETRY, HOUSEKEEPING)}
 
 
 class TickCodec:
@@ -55,6 +60,8 @@ class TickCodec:
         self.command = CommandCodec(joint_names)
         self.controller_telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
         self.plant_telemetry = TelemetryCodec(PLANT_TELEMETRY)
+        self.supervision = SupervisionCodec()
+        self.housekeeping = TelemetryCodec(HOUSEKEEPING)
 
     def encode(self, tick: Tick) -> tuple[bytes | None, ...]:
         """The messages of a tick in the order of ``LOGGED``; None where nothing happened.
@@ -66,14 +73,14 @@ class TickCodec:
         values = (sample.state, tick.reference, output.command, output.telemetry, sample.telemetry)
         stamps = [value.stamp for value in values]
         stamps += [event.stamp for event in output.events]
-        stamps += [event.stamp for event in (*sample.faults, *sample.events, *output.supervision)]
+        stamps += [event.stamp for event in (*sample.faults, *sample.events)]
         if any(stamp != tick.stamp for stamp in stamps):
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return (
             *self.state.encode(sample.state),
             *self.reference.encode(tick.reference),
             encode_events(output.events) if output.events else None,
-            encode_statuses(output.supervision) if output.supervision else None,
+            *self.encode_supervision(tick.stamp, tick.supervision),
             *self.command.encode(output.command),
             *self.controller_telemetry.encode(output.telemetry),
             encode_statuses(sample.faults) if sample.faults else None,
@@ -81,12 +88,55 @@ class TickCodec:
             *self.plant_telemetry.encode(sample.telemetry),
         )
 
-    def encode_unanswered(self, sample: PlantSample, reference: Reference) -> tuple[bytes | None, ...]:
+    def encode_supervision(
+        self, stamp: int, found: Supervision | None
+    ) -> tuple[bytes | None, bytes | None, bytes | None]:
+        """Events, housekeeping and mode; None where there is none.
+
+        Raises:
+            LayoutError: its values do not carry this stamp [ns].
+        """
+        if found is None:
+            return None, None, None
+        housekeeping = found.housekeeping
+        stamps = [found.stamp, *(event.stamp for event in found.events)]
+        if any(one != stamp for one in stamps) or (housekeeping is not None and housekeeping.stamp != stamp):
+            raise LayoutError("values of different stamps", key="supervision", value=stamps, accepted="one stamp")
+        return (
+            encode_statuses(found.events) if found.events else None,
+            None if housekeeping is None else self.housekeeping.encode(housekeeping)[0],
+            self.supervision.encode(found),
+        )
+
+    def decode_supervision(self, parts: Mapping[str, bytes], stamp: int) -> Supervision | None:
+        """What is recorded of a supervisor at a stamp [ns]; None: no mode.
+
+        Raises:
+            LayoutError: a message does not fit its topic, or is of another stamp.
+        """
+        raw = parts.get(SUPERVISOR_MODE.name)
+        if raw is None:
+            return None
+        found = self.supervision.decode(raw)
+        _check_stamp(SUPERVISOR_MODE, stamp, found.stamp)
+        summary = parts.get(HOUSEKEEPING.name)
+        housekeeping = None if summary is None else _telemetry(self.housekeeping, parts, stamp)
+        return replace(found, events=_statuses(EVENTS, parts, stamp), housekeeping=housekeeping)
+
+    def encode_unanswered(
+        self, sample: PlantSample, reference: Reference, supervision: Supervision | None = None
+    ) -> tuple[bytes | None, ...]:
         """The messages of a state without an answer, in the order of ``LOGGED``; None where there is none."""
         parts = dict(zip(self.state.topics, self.state.encode(sample.state), strict=True))
         parts |= zip(self.reference.topics, self.reference.encode(reference), strict=True)
         parts[PLANT_TELEMETRY] = self.plant_telemetry.encode(sample.telemetry)[0]
         parts |= {topic: encode_statuses(found) for topic, found in plant_events(sample)}
+        said = self.encode_supervision(sample.state.stamp, supervision)
+        parts |= {
+            topic: raw
+            for topic, raw in zip((EVENTS, HOUSEKEEPING, SUPERVISOR_MODE), said, strict=True)
+            if raw is not None
+        }
         return tuple(parts.get(topic) for topic in LOGGED)
 
     def decode(self, parts: Mapping[str, bytes]) -> Tick:
@@ -113,8 +163,8 @@ class TickCodec:
                 command,
                 _telemetry(self.controller_telemetry, parts, state.stamp),
                 events_of(parts, state.stamp),
-                _statuses(EVENTS, parts, state.stamp),
             ),
+            self.decode_supervision(parts, state.stamp),
         )
 
 
@@ -131,6 +181,7 @@ class TopicBytes:
     def __init__(self, joint_names: Sequence[str]) -> None:
         self._layouts = value_layouts(joint_names)
         self._telemetry = telemetry_codecs()
+        self._supervision = SupervisionCodec()
 
     def read(self, topic: Topic, raw: bytes) -> tuple[int, bytes]:
         """The stamp [ns] and the canonical bytes of a message.
@@ -149,6 +200,8 @@ class TopicBytes:
         if topic.kind in ("plant_event", "supervision_event"):
             found = decode_statuses(raw)
             return found[0].stamp, encode_statuses(found)
+        if topic is SUPERVISOR_MODE:
+            return peek_stamp(raw), self._supervision.canonical(raw)
         telemetry = self._telemetry.get(topic)
         if telemetry is None:
             data = self.canonical(topic, raw)
@@ -191,6 +244,21 @@ def events_of(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, 
     if events:
         _check_stamp(CONTROLLER_EVENTS, stamp, events[0].stamp)
     return events
+
+
+def encode_tick_housekeeping(codec: TelemetryCodec, stamp: int, summary: Telemetry | None) -> bytes:
+    """The housekeeping of a tick as nodes exchange it: where none is due a message with the stamp alone says so."""
+    return codec.encode(summary if summary is not None else Telemetry(stamp, (), (), np.empty(0)))[0]
+
+
+def is_empty(topic: Topic, raw: bytes) -> bool:
+    """Whether a message says that nothing of an optional topic belongs to its stamp; it goes into no log."""
+    return len(raw) == _shortest() if topic is HOUSEKEEPING else says_none(raw)
+
+
+@cache
+def _shortest() -> int:
+    return len(encode_tick_housekeeping(TelemetryCodec(HOUSEKEEPING), 0, None))
 
 
 def plant_events(sample: PlantSample) -> list[tuple[Topic, tuple[DiagnosticEvent, ...]]]:

@@ -9,7 +9,7 @@ from typing import IO
 
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec, encode_string
 from space_robot_msgs_py.errors import LogError
-from space_robot_msgs_py.interfaces import PlantSample, Reference, Tick
+from space_robot_msgs_py.interfaces import PlantSample, Reference, Supervision, Tick
 from space_robot_msgs_py.log.closing import Written, append_end, finish_bag, write_all
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.mcap.records import message_bytes
@@ -183,9 +183,11 @@ class LogSink:
         """Write one tick; it is in the file when this returns."""
         self.writer.write_row(tick.stamp, self._codec.encode(tick))
 
-    def record_unanswered(self, sample: PlantSample, reference: Reference) -> None:
+    def record_unanswered(
+        self, sample: PlantSample, reference: Reference, supervision: Supervision | None = None
+    ) -> None:
         """Write the last state of a run whose controller had no answer; it is no complete tick."""
-        self.writer.write_row(sample.state.stamp, self._codec.encode_unanswered(sample, reference))
+        self.writer.write_row(sample.state.stamp, self._codec.encode_unanswered(sample, reference, supervision))
 
     def close(self, reason: str) -> None:
         """Close the log; later calls do nothing."""
@@ -197,22 +199,24 @@ class MemorySink:
 
     Attributes:
         ticks: all ticks so far.
-        unanswered: the state and reference the controller had no answer to, if there was one.
+        unanswered: state, reference and supervision that the controller had no answer to, if there were any.
         end_reason: None until closed.
     """
 
     def __init__(self) -> None:
         self.ticks: list[Tick] = []
-        self.unanswered: tuple[PlantSample, Reference] | None = None
+        self.unanswered: tuple[PlantSample, Reference, Supervision | None] | None = None
         self.end_reason: str | None = None
 
     def record(self, tick: Tick) -> None:
         """Keep one tick."""
         self.ticks.append(tick)
 
-    def record_unanswered(self, sample: PlantSample, reference: Reference) -> None:
+    def record_unanswered(
+        self, sample: PlantSample, reference: Reference, supervision: Supervision | None = None
+    ) -> None:
         """Keep what had no answer."""
-        self.unanswered = (sample, reference)
+        self.unanswered = (sample, reference, supervision)
 
     def close(self, reason: str) -> None:
         """Keep the reason; the first one counts."""

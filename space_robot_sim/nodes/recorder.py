@@ -19,6 +19,7 @@ from space_robot_msgs_py.codec.codecs import (
     decode_string,
     encode_clock,
     encode_events,
+    is_empty,
     peek_stamp,
     says_none,
 )
@@ -286,7 +287,7 @@ class RecorderNode(GraphNode):
         if self._news:
             self._add_news(stamp, parts)
         for topic in self._optional:
-            if topic in parts and says_none(parts[topic]):
+            if topic in parts and is_empty(topic, parts[topic]):
                 del parts[topic]
         self._writer.write_tick(stamp, parts)
         self._give_credit()

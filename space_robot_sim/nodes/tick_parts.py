@@ -11,7 +11,9 @@ WINDOW = 50
 EARLY = 64
 COMMANDS = frozenset(topics_of("command"))
 SAMPLE = frozenset((*topics_of("state"), *topics_of("plant_telemetry")))
-ANSWERS = frozenset(("command", "controller_telemetry", "controller_event"))
+ANSWERS = frozenset(
+    ("supervision_event", "housekeeping", "supervision", "command", "controller_telemetry", "controller_event")
+)
 
 Parts = dict[Topic, bytes]
 
@@ -37,7 +39,7 @@ class TickParts:
 
     def __init__(self, period: int, steps: int) -> None:
         self._period, self._last = period, steps * period
-        self.expected = {topic for topic in LOGGED if not topic.sporadic}
+        self.expected = {topic for topic in LOGGED if not (topic.sporadic or topic.optional)}
         self.contested = self._again = False
         self._early: dict[int, Parts] = {}
         self._pending: dict[int, Parts] = {}

@@ -45,7 +45,8 @@ def cost(data: Mapping[str, Any]) -> float | None:
     """Median wall time of one update [us] of the law of an experiment; None if it ends its run at once."""
     composition, sink = compose(experiment_from(data, "cost")), MemorySink()
     plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
-    headless.run(plant, controller, reference, steps=min(STEPS, composition.experiment.steps), sink=sink)
+    steps = min(STEPS, composition.experiment.steps)
+    headless.run(plant, controller, reference, steps=steps, sink=sink, supervisor=composition.supervisor())
     ticks = [(tick.sample.state, tick.reference) for tick in sink.ticks]
     times = time_updates(composition.controller(), ticks, REPEATS)
     return None if times is None else times.median

@@ -105,7 +105,7 @@ def test_numbers_that_are_none_make_no_transform():
 
 def test_the_log_has_them_beside_its_ticks(tmp_path):
     """A log holds one /tf per state and one /tf_static, at their stamps, and its ticks are read as without them."""
-    header = values.LogHeader("", SLIDER, 0, ("slide",), topics=("events", "faults", "plant/events"))
+    header = values.LogHeader("", SLIDER, 0, ("slide",), topics=values.HEADER.topics)
     ticks = values.run_ticks(4, n=1)
     sink = LogSink(tmp_path / "run", header)
     for tick in ticks:

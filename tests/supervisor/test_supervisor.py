@@ -13,8 +13,8 @@ from space_robot_description.share import config_dir, shipped
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.events import ERROR, OK, WARN
-from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Telemetry
-from space_robot_supervisor.supervisor import Supervision, Supervisor
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Supervision, Telemetry
+from space_robot_supervisor.supervisor import Supervisor
 from space_robot_supervisor.table import SupervisionTable
 from space_robot_supervisor.values import Snapshot, value_of, values_of
 
@@ -122,22 +122,6 @@ def test_monitors_count_anew_in_another_mode() -> None:
     assert reported(found, "mode") == [(3, "NOMINAL -> SAFE"), (6, "SAFE -> NOMINAL")]
 
 
-def test_a_mode_decides_what_is_followed() -> None:
-    """Guidance's reference, or at rest where the reference or the robot was at the entry, under the tick's stamp."""
-    modes = {"NOMINAL": {}, "HOLD": {"reference": "freeze"}, "SAFE": {"reference": "here"}}
-    first, second = FAST | {"to": "HOLD"}, FAST | {"name": "more", "above": 5.0, "in": ["HOLD"]}
-    found = watched(supervisor(first, second, modes=modes), [0, 2, 0, 6, 0])
-    start = snapshot(0)
-    assert found[0].reference is not None
-    assert found[0].reference.v.any()
-    for tick, expected in ((1, snapshot(1).reference.q), (2, snapshot(1).reference.q), (4, snapshot(3).state.q)):
-        np.testing.assert_array_equal(found[tick].reference.q, expected)
-        assert found[tick].reference.stamp == tick
-        assert not found[tick].reference.v.any()
-        assert not found[tick].reference.a.any()
-    assert start.reference.v.any()
-
-
 def test_a_reset_forgets() -> None:
     """The same run again gives the same events."""
     one, rates = supervisor(FAST | {"for": 2}), [2.0, 2.0, 0.0]
@@ -169,7 +153,7 @@ def test_values_are_those_of_the_flight_software() -> None:
     [
         ([], {"modes": {}}, "supervision.modes", ""),
         ([], {"start": "NOMINL"}, "supervision.start", "NOMINAL"),
-        ([], {}, "supervision.modes.SAFE", "never reached"),
+        ([], {"modes": MODES | {"ASLEEP": {}}}, "supervision.modes.ASLEEP", "never reached"),
         ([FAST | {"to": "SAVE"}], {}, "supervision.monitors.0.to", "SAFE"),
         ([FAST | {"in": ["NOMNAL"]}], {}, "supervision.monitors.0.in", "NOMINAL"),
         ([FAST | {"in": ["NOMINAL", "SAFE"]}], {}, "supervision.monitors.0.in", "leads to a mode"),

@@ -13,6 +13,7 @@ from space_robot_msgs_py.interfaces import (
     PlantSample,
     Reference,
     RobotState,
+    Supervision,
     Telemetry,
     Tick,
 )
@@ -26,7 +27,7 @@ HEADER = LogHeader(
     7,
     NAMES,
     {"numpy": "2", "mcap": "1"},
-    topics=("events", "faults", "plant/events"),
+    topics=("events", "faults", "plant/events", "housekeeping", "supervisor/mode"),
 )
 
 joint_counts = st.integers(1, 14)
@@ -90,7 +91,9 @@ def _tick(stamp, n, rng):
         ControllerEvent(stamp, "switch", {"from": "a", "to": "b"}),
     )
     found = (DiagnosticEvent(stamp, OK, "mode", "NOMINAL -> SAFE", "", (("cause", "tumbling"),)),)
-    output = ControlOutput(Command(stamp, rng.normal(size=6), rng.normal(size=n)), telemetry, events, found)
+    output = ControlOutput(Command(stamp, rng.normal(size=6), rng.normal(size=n)), telemetry, events)
+    summary = Telemetry.of(stamp, {"mode": 1.0, "base.rate": 1e-9 * stamp})
+    supervision = Supervision(stamp, "SAFE", "detumble", "here", 0, max(-1, stamp - PERIOD), found, summary)
     faults = (
         DiagnosticEvent(
             stamp, ERROR, "joint_stuck elbow", "begins", "elbow", (("kind", "joint_stuck"), ("joint", "elbow"))
@@ -98,7 +101,8 @@ def _tick(stamp, n, rng):
         DiagnosticEvent(stamp, OK, "sensor_noise attitude", "ends"),
     )
     refused = (DiagnosticEvent(stamp, WARN, "command refused", "rate", "", (("stamp", "0"), ("count", "1"))),)
-    return Tick(PlantSample(state, Telemetry.of(stamp, {"energy": rng.normal()}), faults, refused), reference, output)
+    sample = PlantSample(state, Telemetry.of(stamp, {"energy": rng.normal()}), faults, refused)
+    return Tick(sample, reference, output, supervision)
 
 
 def bits(value):
