@@ -30,6 +30,7 @@ BUILT_IN = {
     "none": "space_robot_control.laws.zero_command:ZeroCommand",
     "ntsmc": "space_robot_control.laws.ntsmc.quaternion_law:Ntsmc",
     "ntsmc_euler": "space_robot_control.laws.ntsmc.euler_law:NtsmcEuler",
+    "park": "space_robot_control.laws.park.law:Park",
     "pd": "space_robot_control.laws.pd.law:ProportionalDerivative",
 }
 

@@ -1,0 +1,117 @@
+"""Park: the base comes to rest, the arm goes to a stowed posture on a path within bounds, and stays there."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field, PositiveFloat
+
+from space_robot_control.command_limits import CommandLimits
+from space_robot_control.laws.base import Blocks, Law
+from space_robot_control.nominal_model import NominalModel
+from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
+from space_robot_description.fields import DYNAMIC
+from space_robot_description.robot import Robot
+from space_robot_description.spec import PerJoint, expand
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+
+
+class Park(Law):
+    """u = s H [-w' v_b, a + w' (r - q') + w'^2/4 (p - q)], w' = w / (1 + w T): base to rest, joints along p, r.
+
+    H is the nominal inertia at the state, with the translation eliminated where no force acts on the base; s in (0, 1]
+    scales the command until it fits the actuators. The path starts at the measured joints and rates and ends at the
+    posture q_p. With e = q_p - p its next rate is sgn(e) min(v, A T (sqrt(1/4 + 2 |e| / (A T^2)) - 1/2), |e| / T), from
+    which it can stop at the posture in whole periods, but at most A T from the rate before; a is the change over T.
+    Where the actuators cannot give the command (s < 1) the path starts again at the state that comes next.
+
+    The reference is not followed; errors to it are telemetry.
+
+    Args:
+        robot: the NOMINAL robot.
+        control_period: T [s].
+        gains: rate, speed, acceleration, posture.
+
+    Raises:
+        SpecError: the posture does not fit the robot, or is beyond a joint limit.
+
+    The equations on one screen: ``reference.py``.
+
+    Deviations from the paper: there is none; this is a law a robot falls back to.
+    """
+
+    class Gains(Law.Gains):
+        """Gains of park."""
+
+        rate: PositiveFloat = Field(
+            default=0.5, description="w, how fast rates and errors decay [1/s]", json_schema_extra=DYNAMIC
+        )
+        speed: PositiveFloat = Field(default=0.05, description="v, largest joint rate on the path [rad/s or m/s]")
+        acceleration: PositiveFloat = Field(
+            default=0.01, description="A, largest joint acceleration on the path [rad/s2 or m/s2]"
+        )
+        posture: PerJoint | None = Field(
+            default=None, description="q_p, where the joints are parked; null: the robot's home [rad or m]"
+        )
+
+    name = "park"
+    telemetry_fields = ERROR_FIELDS | {
+        "path": "p [rad or m]",
+        "path_rate": "r [rad/s or m/s]",
+        "posture_error": "q_p - q [rad or m]",
+        "scale": "s, less than 1 where the actuators cannot give the command [-]",
+    }
+    gains: Gains
+
+    def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
+        super().__init__(robot, control_period, gains)
+        self._model, self._limits = NominalModel(robot), CommandLimits(robot)
+        self._first = 3 if robot.base_mode == "free_floating" else 0
+        self._posture = self._checked_posture()
+        self._path: tuple[Vector, Vector] | None = None
+
+    def reset(self) -> None:
+        """Forget the path."""
+        super().reset()
+        self._path = None
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return u and the telemetry listed at the class."""
+        path, rate = (state.joints, state.joint_rates) if self._path is None else self._path
+        next_rate = self._next_rate(self._posture - path, rate)
+        decay = self.gains.rate / (1.0 + self.gains.rate * self.control_period)
+        acceleration = -decay * state.v[self._first :]
+        acceleration[-self.n :] = (
+            (next_rate - rate) / self.control_period
+            + decay * (rate - state.joint_rates)
+            + 0.25 * decay**2 * (path - state.joints)
+        )
+        u = np.zeros(6 + self.n)
+        u[self._first :] = self._model.actuated_mass_matrix(state.q) @ acceleration
+        scale = self._limits.common_scale(u)
+        self._path = (path + self.control_period * next_rate, next_rate) if scale == 1.0 else None
+        errors = error_blocks(tracking_errors(state, reference))
+        left = self._posture - state.joints
+        return scale * u, {**errors, "path": path, "path_rate": rate, "posture_error": left, "scale": scale}
+
+    def _next_rate(self, left: Vector, rate: Vector) -> Vector:
+        """The rate after this period (n,), for what is left of the path and the rate so far."""
+        step, T = self.gains.acceleration * self.control_period, self.control_period
+        distance = np.abs(left)
+        stopping = step * (np.sqrt(0.25 + 2.0 * distance / (step * T)) - 0.5)
+        wanted = np.sign(left) * np.minimum(np.minimum(self.gains.speed, stopping), distance / T)
+        out: Vector = rate + np.clip(wanted - rate, -step, step)
+        return out
+
+    def _checked_posture(self) -> Vector:
+        robot, key = self.robot, "controller.gains.posture"
+        if self.gains.posture is None:
+            return robot.home
+        posture = expand(self.gains.posture, robot.joint_names, key, robot.home.tolist())
+        for name, value, lower, upper in zip(
+            robot.joint_names, posture.tolist(), robot.joint_lower, robot.joint_upper, strict=True
+        ):
+            if not lower <= value <= upper:
+                accepted = f"{lower:g} to {upper:g}"
+                raise SpecError("beyond the joint's limits", key=f"{key}.{name}", value=value, accepted=accepted)
+        return posture
