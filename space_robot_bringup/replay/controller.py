@@ -95,7 +95,7 @@ class _ControllerReplay(SideReplay):
         return ""
 
     def _supervise(self, stamp: int, parts: Mapping[str, bytes]) -> None:
-        """The mode that the recorded controller was told."""
+        """The mode that the recorded controller answered in."""
         if self._supervised is None:
             return
         try:

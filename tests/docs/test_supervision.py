@@ -26,10 +26,13 @@ def test_every_key_and_value_is_on_the_page() -> None:
     assert [name for name in (*keys, *values, *shipped("supervision")) if f"`{name}`" not in PAGE] == []
 
 
-def test_the_table_on_the_page_composes() -> None:
-    """As a section of an experiment."""
-    (section,) = re.findall(r"```yaml\n(supervision:.*?)```", PAGE, re.DOTALL)
-    experiment = load_experiment("liu2023/fig08", parse_yaml_text(section, "docs/supervision.md"))
-    assert experiment.supervision is not None
-    assert len(experiment.supervision.monitors) == 2
-    compose(experiment)
+def test_the_tables_on_the_page_compose() -> None:
+    """As sections of an experiment."""
+    sections = re.findall(r"```yaml\n(supervision:.*?)```", PAGE, re.DOTALL)
+    assert len(sections) == 2
+    for section in sections:
+        experiment = load_experiment(
+            "liu2023/fig08", {"duration": 100.0} | dict(parse_yaml_text(section, "docs/supervision.md"))
+        )
+        assert experiment.supervision is not None
+        compose(experiment)

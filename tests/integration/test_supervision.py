@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.false_alarms import watch
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
 from space_robot_bringup.modes.headless import run_in_memory
 from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_bringup.replay.replay import ReplayOptions, replay
+from space_robot_description.share import shipped
 from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.reader import LogReader
@@ -143,3 +145,12 @@ def test_a_table_may_stand_beside_the_experiment(tmp_path: Path) -> None:
     assert found.supervision is not None
     assert list(found.supervision.modes) == ["A"]
     compose(found)
+
+
+@pytest.mark.parametrize("table", shipped("supervision"))
+def test_dispersed_robots_with_noise_raise_no_alarm(table: str) -> None:
+    """A slice of ``benchmarks.false_alarms``: nominal tasks, and the mode never changes."""
+    for seed in range(2):
+        watcher = watch(table, seed, 400)
+        assert watcher.end_reason == "completed"
+        assert watcher.modes == {"NOMINAL"}

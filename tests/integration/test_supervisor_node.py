@@ -132,7 +132,7 @@ def test_a_reset_begins_with_the_first_mode(tmp_path: Path) -> None:
 
 
 def test_a_paced_run_is_supervised_and_replays(tmp_path: Path) -> None:
-    """The clock waits for nobody; what the supervisor knew at each tick is in the log, and every side repeats it."""
+    """The clock waits for no node; what the supervisor knew at each tick is in the log, and every side repeats it."""
     result = run_experiment(load_experiment("liu2023/fig08", WATCHED), tmp_path / "run", mode="graph", realtime=50.0)
     assert result.end_reason == "completed"
     ticks = list(LogReader(tmp_path / "run").ticks())

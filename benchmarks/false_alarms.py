@@ -1,0 +1,106 @@
+"""No false alarm: nominal tasks of dispersed robots with noisy sensors under every shipped table, 0 changes of mode.
+
+python -m benchmarks.false_alarms [ROBOTS [PERIODS]]
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.modes import headless
+from space_robot_description.load import load_robot
+from space_robot_description.share import shipped
+from space_robot_msgs_py.interfaces import PlantSample, Reference, Supervision, Tick
+
+ROBOTS, PERIODS = 100, 10_000
+NOISE = ("attitude", "angular_velocity", "joint_position", "joint_velocity", "position", "linear_velocity")
+SPREAD = ("bodies.*.mass", "bodies.*.com", "bodies.*.inertia", "joints.*.effort")
+AMPLITUDES = {"mini": 20.0, "servicer": 10.0}
+
+
+@dataclass
+class Watcher:
+    """A sink that keeps nothing but what the supervisor reported."""
+
+    events: Counter[str]
+    modes: set[str]
+    ticks: int = 0
+    end_reason: str = ""
+
+    def record(self, tick: Tick) -> None:
+        """Count."""
+        assert tick.supervision is not None
+        self.ticks += 1
+        self.modes.add(tick.supervision.mode)
+        self.events.update(f"{event.name} {event.message}" for event in tick.supervision.events)
+
+    def record_unanswered(
+        self, sample: PlantSample, reference: Reference, supervision: Supervision | None = None
+    ) -> None:
+        """Nothing to count."""
+
+    def close(self, reason: str) -> None:
+        """Keep the reason."""
+        self.end_reason = reason
+
+
+def nominal(table: str, seed: int, periods: int) -> dict[str, Any]:
+    """A moving task for the robot that a table is made for, with one draw of everything."""
+    robot = table.partition("_")[0]
+    swing = {"amplitude_deg": AMPLITUDES[robot], "frequency": 0.04}
+    joints = {name: swing | {"phase_deg": 90.0 * index} for index, name in enumerate(load_robot(robot).joint_names)}
+    return {
+        "supervision": table,
+        "seed": seed,
+        "duration": 0.25 * periods,
+        "reference": {
+            "kind": "harmonic",
+            "soft_start": 20.0,
+            "yaw": {"amplitude_deg": 10.0, "frequency": 0.01},
+            "pitch": {"amplitude_deg": 5.0, "frequency": 0.01, "phase_deg": 90.0},
+            "joints": joints,
+        },
+        "plant.dispersion": {"parameters": dict.fromkeys(SPREAD, 0.05)},
+        **{f"plant.sensors.{channel}.noise": 1e-4 for channel in NOISE},
+    }
+
+
+def watch(table: str, seed: int, periods: int) -> Watcher:
+    """Run one robot for so many periods."""
+    composition = compose(load_experiment(f"compare/{table.partition('_')[0]}", nominal(table, seed, periods)))
+    watcher = Watcher(Counter(), set())
+    headless.run(
+        composition.plant(),
+        composition.controller(),
+        composition.reference(),
+        steps=periods,
+        sink=watcher,
+        supervisor=composition.supervisor(),
+    )
+    return watcher
+
+
+def main(arguments: list[str]) -> int:
+    """Run all tables; 1 where a mode changed or a run did not complete."""
+    robots = int(arguments[0]) if arguments else ROBOTS
+    periods = int(arguments[1]) if len(arguments) > 1 else PERIODS
+    wrong = 0
+    for table in shipped("supervision"):
+        events: Counter[str] = Counter()
+        for seed in range(robots):
+            watcher = watch(table, seed, periods)
+            events += watcher.events
+            if watcher.end_reason != "completed" or watcher.modes != {"NOMINAL"}:
+                wrong += 1
+                print(f"{table}, seed {seed}: {watcher.end_reason}, {sorted(watcher.modes)}, {dict(watcher.events)}")
+        print(f"{table}: {robots} robots x {periods} periods, events: {dict(events) or 'none'}")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
