@@ -15,7 +15,7 @@ from space_robot_description.validation import parse_yaml
 from space_robot_msgs_py.log.writer import MemorySink
 
 CASE, TABLE = "liu2023/fig08", "mini_basic"
-MONITORS, PERIODS, ROUNDS = 20, 400, 12
+MONITORS, PERIODS, ROUNDS = 20, 1600, 5
 # Where no monitor of the table fires.
 SPARE = (
     ("base.speed", 9.0),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
@@ -45,6 +47,15 @@ class WheelMomentum:
         if wheels.initial_momentum is not None:
             stored = np.array(wheels.initial_momentum)
             self._stored, self.momentum = stored.tolist(), stored @ axes
+        self._start = self._stored, self.momentum
+
+    def at_start(self) -> WheelMomentum:
+        """The same wheels as they are at the start of a run; what does not change is shared."""
+        fresh = copy(self)
+        if self.present:
+            fresh._stored, fresh.momentum = self._start
+        fresh.middle = np.zeros(3)
+        return fresh
 
     def torque(self, omega: Vector) -> Vector:
         """Return omega x h (3,), what a base that turns at omega (3,) [rad/s] needs beside M a + c [N m]."""

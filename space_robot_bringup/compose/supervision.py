@@ -93,7 +93,7 @@ class RunSupervisor:
 
     def __init__(self, supervisor: Supervisor, robot: Robot, control_period: float, inbox: Inbox | None) -> None:
         self._supervisor, self._robot, self._seconds, self._inbox = supervisor, robot, control_period, inbox
-        self._counts_wheels = supervisor.counts_wheels
+        self._counts_wheels, self._wheels = supervisor.counts_wheels, WheelMomentum(robot)
         self.reset()
 
     @property
@@ -109,7 +109,7 @@ class RunSupervisor:
     def reset(self) -> None:
         """Forget the past; the next update is the first of a run."""
         self._supervisor.reset()
-        self._wheels = WheelMomentum(self._robot)
+        self._wheels = self._wheels.at_start()
         self._line = CommandDelay(self._robot.command_delay, none=False)
         self._counts: Counter[str] = Counter()
         self._noted = -1
