@@ -210,6 +210,17 @@ class Law(Tunable, ABC):
             CommandError: state or reference does not fit the robot or each other.
             ControlError: a value in the control law is not finite or singular.
         """
+        command, blocks = self.answer(state, reference)
+        telemetry = self.telemetry_of(state.stamp, blocks)
+        return ControlOutput(command, telemetry, self.pending_events(state.stamp))
+
+    def answer(self, state: RobotState, reference: Reference) -> tuple[Command, Blocks]:
+        """``control`` with telemetry as ``compute`` returned it, unchecked, for a caller that has its own.
+
+        Raises:
+            CommandError: state or reference does not fit the robot or each other.
+            ControlError: a value in the control law is not finite or singular.
+        """
         self._check(state, reference)
         try:
             u, blocks = self.compute(state, reference)
@@ -219,8 +230,7 @@ class Law(Tunable, ABC):
             raise self._failure(error.message, error.key or "u", state.stamp, error.value, error.accepted) from error
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             raise self._failure(str(error), "u", state.stamp) from error
-        command, telemetry = self._command(state.stamp, u), self._telemetry(state.stamp, blocks)
-        return ControlOutput(command, telemetry, self.pending_events(state.stamp))
+        return self._command(state.stamp, u), blocks
 
     def _check(self, state: RobotState, reference: Reference) -> None:
         if state.q.size != 7 + self.n or reference.q.size != 7 + self.n:
@@ -250,7 +260,12 @@ class Law(Tunable, ABC):
             raise self._failure("force on a free-floating base", "u (command.wrench)", stamp, value, "zero force")
         return command
 
-    def _telemetry(self, stamp: int, blocks: Blocks) -> Telemetry:
+    def telemetry_of(self, stamp: int, blocks: Blocks) -> Telemetry:
+        """The telemetry of one answer.
+
+        Raises:
+            ControlError: a number is not finite, or labels or sizes are not those of the first answer of the run.
+        """
         try:
             telemetry = Telemetry.of(stamp, blocks)
         except NonFiniteError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import accumulate
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from space_robot_control.laws.tunable import GAINS
 from space_robot_control.tracking import ERROR_FIELDS, tracking_errors
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import (
     NANOSECONDS,
     Command,
@@ -72,6 +73,8 @@ class Switching(Law):
         if len(laws) < 2:
             raise SpecError("nothing to switch to", key="laws", value=list(laws), accepted="two laws or more")
         self._laws, self._names = dict(laws), tuple(laws)
+        # Those whose answers are checked here; what overrides ``control`` is called as it is.
+        self._plain = {name for name, law in laws.items() if type(law).control is Law.control}
         self._informed = [law for law in laws.values() if type(law).on_applied is not Law.on_applied]
         self.uses_command_delay = all(law.uses_command_delay for law in self._laws.values())
         self._line: CommandDelay[Law | None] = CommandDelay(robot.command_delay, none=None)
@@ -165,8 +168,11 @@ class Switching(Law):
             self._shown = self._find_layout(state, reference)
         taking_over = self._switch(state.stamp)
         law = self._laws[self._active]
-        output = law.control(state, reference)
-        command = output.command
+        if self._active in self._plain:
+            command, blocks = law.answer(state, reference)
+        else:
+            output = law.control(state, reference)
+            command, blocks = output.command, dict(output.telemetry.items())
         if taking_over and self._last is not None:
             self._bump, self._since = self._last.u - command.u, state.stamp
         weight = self._weight(state.stamp)
@@ -177,8 +183,17 @@ class Switching(Law):
         for other in self._informed:
             other.on_applied(acting, own=other is owner)
         self._last = command
-        telemetry = self._shown.of(self._active, output.telemetry, state, reference, weight)
+        telemetry = self._telemetry(law, blocks, state, reference, weight)
         return ControlOutput(command, telemetry, self.pending_events(state.stamp))
+
+    def _telemetry(self, law: Law, blocks: Blocks, state: RobotState, reference: Reference, weight: float) -> Telemetry:
+        """All laws' telemetry in one layout; where it cannot be, the active law says why not."""
+        assert self._shown is not None
+        try:
+            return self._shown.of(self._active, blocks, state, reference, weight)
+        except (NonFiniteError, ValueError):
+            law.telemetry_of(state.stamp, blocks)
+            raise
 
     def note_applied(self, command: Command, *, own: bool) -> None:
         """Nothing is left to do: ``control`` knows what acts, and has the laws take note of it."""
@@ -251,15 +266,18 @@ class _Layout:
         self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
         places, self._switch = _places(blocks), 12 + 2 * n
         self._nothing = np.zeros(sum(self.sizes))
-        self._moves: dict[str, tuple[int, list[tuple[slice, slice]], bool]] = {}
+        self._rows: dict[str, tuple[int, list[tuple[str, int, int, slice]], bool]] = {}
         for index, (name, one) in enumerate(telemetry.items()):
-            moves: list[tuple[slice, slice]] = []
-            for label, place in _places(_sizes(one)).items():
-                if label not in errors or name in own:
-                    _append(moves, place, places[label if label in errors else f"{name}.{label}"])
-            self._moves[name] = index, moves, name in own
+            rows = []
+            for label, size in _sizes(one).items():
+                shared = label in errors
+                if not shared or name in own:
+                    place = places[label if shared else f"{name}.{label}"]
+                    rows.append((label, size, place.start, place))
+            self._rows[name] = index, rows, name in own
+        self._counts = {name: len(one.labels) for name, one in telemetry.items()}
 
-    def of(self, name: str, own: Telemetry, state: RobotState, reference: Reference, weight: float) -> Telemetry:
+    def of(self, name: str, own: Blocks, state: RobotState, reference: Reference, weight: float) -> Telemetry:
         """All telemetry of a state, of which all but the errors is 0 for the laws that are idle.
 
         Args:
@@ -268,16 +286,28 @@ class _Layout:
             state: that it answered.
             reference: that it followed.
             weight: of the handover.
+
+        Raises:
+            NonFiniteError: a number is not finite.
+            ValueError: the blocks are not those of the first answer.
         """
-        index, moves, has_errors = self._moves[name]
+        index, rows, has_errors = self._rows[name]
+        if len(own) != self._counts[name]:
+            raise ValueError("other blocks than before")
         data = self._nothing.copy()
-        for source, target in moves:
-            data[target] = own.data[source]
+        for label, size, start, place in rows:
+            block = own.get(label)
+            if isinstance(block, np.ndarray) and block.size == size:
+                data[place] = block
+            elif size == 1 and isinstance(block, float):
+                data[start] = block
+            else:
+                data[place] = _checked(block, size)
         if not has_errors:
             errors, split = tracking_errors(state, reference), self._switch // 2
             data[:split], data[split : self._switch] = errors.configuration, errors.velocity
         data[self._switch], data[self._switch + 1] = index, weight
-        return Telemetry(own.stamp, self.labels, self.sizes, data)
+        return Telemetry(state.stamp, self.labels, self.sizes, data)
 
 
 def _sizes(telemetry: Telemetry) -> dict[str, int]:
@@ -290,9 +320,8 @@ def _places(sizes: Mapping[str, int]) -> dict[str, slice]:
     return {label: slice(start, start + size) for (label, size), start in zip(sizes.items(), ends, strict=False)}
 
 
-def _append(moves: list[tuple[slice, slice]], source: slice, target: slice) -> None:
-    """One more move; neighbours are moved at once."""
-    if moves and (moves[-1][0].stop, moves[-1][1].stop) == (source.start, target.start):
-        before = moves.pop()
-        source, target = slice(before[0].start, source.stop), slice(before[1].start, target.stop)
-    moves.append((source, target))
+def _checked(block: Any, size: int) -> Vector:
+    found: Vector = np.asarray([] if block is None else block, dtype=np.float64).reshape(-1)
+    if found.size != size:
+        raise ValueError("another size than before")
+    return found

@@ -12,6 +12,7 @@ from space_robot_bringup.compose.supervision import ModeController
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
 from space_robot_bringup.modes.headless import run_in_memory
 from space_robot_bringup.modes.run import Mode, run_experiment
+from space_robot_bringup.replay.recording import Code
 from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.reader import LogReader
@@ -114,3 +115,18 @@ def test_runs_without_supervision_have_nothing_of_it() -> None:
     assert composition.supervisor() is None
     assert not isinstance(composition.controller(), ModeController)
     assert composition.optional_topics == ()
+
+
+@pytest.mark.ros
+@pytest.mark.xdist_group("graph")
+def test_a_law_that_gives_up_leaves_the_mode_it_was_in(tmp_path: Path) -> None:
+    """The last state has a mode and no command, the same in both modes; every side repeats the end."""
+    pytest.importorskip("rclpy")
+    keys: dict[str, Any] = {"duration": 5.0, "supervision": "mini_basic", "controller.gains": {}}
+    failing = load_experiment("liu2023/fig08", keys | {"controller.law": "tests.support.laws:GivesUp"})
+    logs = []
+    for mode in ("headless", "graph"):
+        assert run_experiment(failing, tmp_path / mode / "run", mode=mode).end_reason.startswith("controller: gives_up")
+        logs.append((tmp_path / mode / "run" / "run_0.mcap").read_bytes())
+    assert logs[0] == logs[1]
+    assert replay(tmp_path / "headless" / "run", ReplayOptions(code=Code(allowed=True))).equal
