@@ -74,6 +74,7 @@ class Supervisor:
         """Back to the first mode; the next tick is the first of a run."""
         self._orders: list[tuple[str, Acknowledgement]] = []
         self._plan.reset()
+        self._planned = not self._plan.idle
         for monitor in self._monitors:
             monitor.reset()
         self._found: list[DiagnosticEvent] = []
@@ -96,8 +97,8 @@ class Supervisor:
         """
         stamp = now.state.stamp
         changed = bool(self._orders) and self._obey(stamp)
-        if not self._plan.idle and self._follow_plan(stamp):
-            changed = True
+        if self._planned:
+            changed |= self._follow_plan(stamp)
         if not changed:
             self._look(now)
         summary = self._sum_up(now) if self._every and stamp % self._every == 0 else None
@@ -149,6 +150,7 @@ class Supervisor:
             changed |= self._execute(stamp, step.command, said, step.by)
             if step.by in self._plan.running and (step.last or not said.accepted):
                 self._stop(step.by, stamp, "ends" if said.accepted else "aborted")
+        self._planned = not self._plan.idle
         return changed
 
     def _judge(self, command: str, mode: str) -> Acknowledgement:
@@ -179,6 +181,7 @@ class Supervisor:
 
     def _start(self, name: str, stamp: int, cause: str) -> None:
         self._plan.start(name, stamp)
+        self._planned = True
         self._found.append(reports.sequence(stamp, name, "starts", cause))
 
     def _stop(self, name: str, stamp: int, how: str) -> None:

@@ -296,7 +296,7 @@ class _Layout:
             raise ValueError("other blocks than before")
         data = self._nothing.copy()
         for label, size, start, place in rows:
-            block = own.get(label)
+            block: Any = own.get(label)
             if isinstance(block, np.ndarray) and block.size == size:
                 data[place] = block
             elif size == 1 and isinstance(block, float):
