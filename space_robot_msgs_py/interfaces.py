@@ -267,6 +267,9 @@ class Controller(Protocol):
 class SupervisedController(Controller, Protocol):
     """A controller whose law and reference depend on a mode."""
 
+    def check_decision(self, decision: Supervision) -> None:
+        """Raise SpecError for a mode, a law or a reference that this controller does not have."""
+
     def supervise(self, decision: Supervision) -> None:
         """Take note of what holds from the state on that comes next."""
 

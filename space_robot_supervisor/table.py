@@ -27,6 +27,8 @@ SEVERITIES: tuple[Severity, ...] = ("info", "low", "medium", "high")
 # Commands of the ground, and by the mode's name in capitals what they lead to.
 COMMANDS = ("standby", "nominal", "hold", "safe", "stop")
 GroundCommand = Literal["standby", "nominal", "hold", "safe", "stop"]
+ReferencePolicy = Literal["follow", "freeze", "here"]
+REFERENCES: tuple[ReferencePolicy, ...] = ("follow", "freeze", "here")
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^\w[\w.-]*$")]
 
 
@@ -41,7 +43,7 @@ class ModeSpec(Strict):
 
     law: str = Field(default=CONTROLLER, description="`controller`: the experiment's; or the name of a law")
     gains: dict[str, Any] = Field(default_factory=dict, description="of that law; not of `controller`")
-    reference: Literal["follow", "freeze", "here"] = Field(
+    reference: ReferencePolicy = Field(
         default="follow",
         description="guidance's; its value at the entry, at rest; the measured configuration at the entry",
     )

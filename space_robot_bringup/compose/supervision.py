@@ -24,12 +24,12 @@ from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_msgs_py.interfaces import Acknowledgement, ControlOutput, Reference, RobotState, Supervision
 from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED
 from space_robot_supervisor.supervisor import Supervisor
-from space_robot_supervisor.table import CONTROLLER
+from space_robot_supervisor.table import CONTROLLER, REFERENCES
 from space_robot_supervisor.values import COUNTS, Snapshot
 
 KEY = "supervision"
 # Stands by where no mode has a law of its own: who switches needs two.
-IDLE = "none"
+IDLE = "idle"
 _COUNTED = dict(zip((MISSING, REFUSED, CLIPPED), COUNTS, strict=True))
 
 
@@ -42,11 +42,20 @@ class ModeController(Switching):
         robot: the NOMINAL robot.
         control_period: [s].
         laws: of the experiment first, then of the modes, by the modes' names.
+        modes: by the name of a mode that has a law of its own the name of that law.
         handover: see ``Switching``.
     """
 
-    def __init__(self, robot: Robot, control_period: float, laws: Mapping[str, Law], *, handover: float) -> None:
-        self._first_law = next(iter(laws))
+    def __init__(
+        self,
+        robot: Robot,
+        control_period: float,
+        laws: Mapping[str, Law],
+        *,
+        modes: Mapping[str, str],
+        handover: float,
+    ) -> None:
+        self._first_law, self._mode_laws = next(iter(laws)), dict(modes)
         self._decision: Supervision | None = None
         super().__init__(robot, control_period, laws, handover=handover)
 
@@ -55,8 +64,22 @@ class ModeController(Switching):
         super().reset()
         self._held: tuple[str, int, Reference] | None = None
 
+    def check_decision(self, decision: Supervision) -> None:
+        """Refuse what this controller does not have.
+
+        Raises:
+            SpecError: such a law for such a mode, or such a reference.
+        """
+        if decision.law != CONTROLLER and self._mode_laws.get(decision.mode) != decision.law:
+            accepted = ", ".join((CONTROLLER, *(f"{law} in {mode}" for mode, law in self._mode_laws.items())))
+            said = f"{decision.law} in {decision.mode}"
+            raise SpecError("no such law of a mode", key="supervisor/mode.law", value=said, accepted=accepted)
+        if decision.reference not in REFERENCES:
+            accepted = ", ".join(REFERENCES)
+            raise SpecError("no such", key="supervisor/mode.reference", value=decision.reference, accepted=accepted)
+
     def supervise(self, decision: Supervision) -> None:
-        """Take note of the mode in which the next state is to be answered."""
+        """Take note of the mode in which the next state is to be answered; see ``check_decision``."""
         self._decision = decision
 
     def control(self, state: RobotState, reference: Reference) -> ControlOutput:
@@ -179,12 +202,12 @@ def supervised(experiment: Experiment, robot: Robot, policy: LawPolicy) -> ModeC
     assert table is not None
     first = make_law(policy.law(spec.law, spec.law), robot, period, spec.gains, "controller", policy)
     laws = {spec.law: first}
-    for mode, said in table.modes.items():
-        if said.law != CONTROLLER:
-            laws[mode] = make_law(said.law, robot, period, said.gains, f"{KEY}.modes.{mode}")
-    if len(laws) == 1:
-        laws[IDLE] = make_law(IDLE, robot, period)
-    return ModeController(robot, period, laws, handover=table.handover)
+    modes = {mode: said.law for mode, said in table.modes.items() if said.law != CONTROLLER}
+    for mode, law in modes.items():
+        laws[mode] = make_law(law, robot, period, table.modes[mode].gains, f"{KEY}.modes.{mode}")
+    if not modes:
+        laws[IDLE] = make_law("none", robot, period)
+    return ModeController(robot, period, laws, modes=modes, handover=table.handover)
 
 
 def check_supervision(experiment: Experiment) -> None:

@@ -100,6 +100,8 @@ class _ControllerReplay(SideReplay):
             return
         try:
             found = self._codec.decode_supervision(parts, stamp)
+            if found is not None:
+                self._supervised.check_decision(found)
         except SpaceRobotError as error:
             self._notes[f"recorded modes cannot be read ({error})"] += 1
             return

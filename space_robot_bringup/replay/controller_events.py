@@ -90,6 +90,11 @@ class Repeated:
         """Forget the past."""
         self._law.reset()
 
+    def check_decision(self, decision: Supervision) -> None:
+        """Pass on the question."""
+        if isinstance(self._law, ModeController):
+            self._law.check_decision(decision)
+
     def supervise(self, decision: Supervision) -> None:
         """Pass on the mode of the next state."""
         if isinstance(self._law, ModeController):

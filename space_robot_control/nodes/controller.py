@@ -64,7 +64,7 @@ class ControllerNode(ManagedNode):
         self._last_stamp, self._passed_by = -1, False
         self._waiting: tuple[RobotState, Reference, tuple[bytes, ...]] | None = None
         self._modes = SupervisionCodec()
-        beside = [(SUPERVISOR_MODE, lambda raw: self._modes.decode(raw).stamp)] if supervised else []
+        beside = [(SUPERVISOR_MODE, self._read_mode)] if supervised else []
         self._inputs = TickInputs(self, joint_names, self._take_in, beside)
         self.keep()
 
@@ -119,6 +119,13 @@ class ControllerNode(ManagedNode):
         self._law.tune(changes)
         gains = {key: value for key, value in changes.items() if key != ACTIVE}
         self._tuned = [one for one in self._tuned if one.keys() != gains.keys()] + [gains] * bool(gains)
+
+    def _read_mode(self, raw: bytes) -> int:
+        """The stamp of a mode that the law has; before the law is there any may be it."""
+        found = self._modes.decode(raw)
+        if self.configured:
+            cast(SupervisedController, self._law).check_decision(found)
+        return found.stamp
 
     def _take_in(self, state: RobotState, reference: Reference, beside: tuple[bytes, ...]) -> None:
         if self.active:

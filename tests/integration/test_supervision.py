@@ -137,6 +137,15 @@ def test_laws_in_standby_and_a_supervisor_exclude_each_other(space_robot: Tool) 
     refused(space_robot("check", "switch/mini", "--set", "supervision=mini_basic"), "controller.standby")
 
 
+def test_a_table_without_laws_goes_with_any_law() -> None:
+    """Modes that only change the reference need no law of their own, whatever the experiment's is called."""
+    keys = {"faults": [], "duration": 1.0, "controller.law": "none", "controller.gains": {}}
+    sink = run_in_memory(
+        compose(experiment(**keys, supervision={"modes": {"NOMINAL": {}, "HOLD": {"reference": "here"}}}))
+    )
+    assert sink.end_reason == "completed"
+
+
 def test_a_table_may_stand_beside_the_experiment(tmp_path: Path) -> None:
     """A path is relative to the file; the resolved experiment has the content."""
     (tmp_path / "table.yaml").write_text("modes: {A: {}}\nstart: A\n", encoding="utf-8")

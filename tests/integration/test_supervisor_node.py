@@ -17,8 +17,11 @@ from space_robot_bringup.nodes.process import main
 from space_robot_bringup.replay.golden import update_reference
 from space_robot_bringup.replay.recording import open_recording
 from space_robot_bringup.replay.replay import ReplayOptions, replay
+from space_robot_msgs_py.codec.codecs import SupervisionCodec
+from space_robot_msgs_py.interfaces import Supervision
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.nodes.managed import ManagedNode
+from space_robot_msgs_py.topics import SUPERVISOR_MODE
 from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -113,6 +116,22 @@ def test_an_inactive_supervisor_holds_a_lock_step_run_and_changes_no_bit(tmp_pat
         robot.settle()
         assert robot.simulator.tick == stands
         supervisor.must(supervisor.trigger_activate)
+        finish(robot)
+    assert (tmp_path / "run" / "run_0.mcap").read_bytes() == (tmp_path / "truth" / "run" / "run_0.mcap").read_bytes()
+
+
+def test_a_mode_that_is_none_is_refused_and_changes_no_bit(tmp_path: Path) -> None:
+    """A law that the controller does not have, a reference there is not, noise: refused, counted, and nothing else."""
+    run_experiment(load_experiment("liu2023/fig08", WATCHED), tmp_path / "truth" / "run", mode="headless")
+    codec = SupervisionCodec()
+    with running_graph(tmp_path / "run", *WATCHED, roles=ROLES) as robot:
+        tick = pause(robot, True)
+        for law, reference in (("pd", "follow"), ("controller", "sideways")):
+            forged = Supervision((tick + 2) * 250_000_000, "SAFE", law, reference, 0)
+            robot.publish(SUPERVISOR_MODE, codec.encode(forged))
+        robot.settle()
+        robot.spin_until(lambda: robot.nodes["controller"].refusals[SUPERVISOR_MODE.name] == 2, "two refusals")
+        pause(robot, False)
         finish(robot)
     assert (tmp_path / "run" / "run_0.mcap").read_bytes() == (tmp_path / "truth" / "run" / "run_0.mcap").read_bytes()
 
