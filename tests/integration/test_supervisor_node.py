@@ -156,7 +156,7 @@ def test_a_paced_run_is_supervised_and_replays(tmp_path: Path) -> None:
     assert result.end_reason == "completed"
     ticks = list(LogReader(tmp_path / "run").ticks())
     assert {tick.supervision.mode for tick in ticks if tick.supervision} == {"NOMINAL"}
-    assert replay(tmp_path / "run", ReplayOptions("supervisor")).equal
+    assert replay(tmp_path / "run", ReplayOptions()).equal
 
 
 def test_a_supervisor_without_supervision_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
