@@ -28,6 +28,7 @@ from space_robot_sim.kernel.rhs import (
 from space_robot_sim.kernel.steps import (
     DONE,
     DOP853_ADAPTIVE,
+    DOP853_CHECKED,
     NOT_FINITE,
     RK4,
     STEP_BOUND,
@@ -67,12 +68,13 @@ class PinocchioIntegrator:
             budget = STEP_BOUND
             for k in range(count):
                 if how.method == DOP853_ADAPTIVE:
-                    budget = self._adaptive(drive, k, how, y, memory.stages, budget)
-                    if budget <= 0:
-                        status = TOO_MANY_STEPS
-                        break
+                    span = float(drive.segments[k, BEGIN]), float(drive.segments[k, END])
+                    budget = self._adaptive(drive, k, span, how, y, memory.stages, budget)
                 else:
-                    self._fixed(drive, k, how, y, memory.stages)
+                    budget = self._fixed(drive, k, how, y, memory.stages, budget)
+                if budget <= 0:
+                    status = TOO_MANY_STEPS
+                    break
             memory.slope[:] = self.slope(drive, count - 1, float(drive.segments[count - 1, END]), y)
             finite = bool(np.isfinite(y.sum() + memory.slope.sum()))
         return status if finite else NOT_FINITE
@@ -111,13 +113,22 @@ class PinocchioIntegrator:
         out: Vector = motor - self._viscous * rates - self._coulomb * np.tanh(rates / self._coulomb_velocity)
         return out
 
-    def _fixed(self, drive: Drive, k: int, how: Stepping, y: Vector, stages: Vector) -> None:
+    def _fixed(self, drive: Drive, k: int, how: Stepping, y: Vector, stages: Vector, budget: int) -> int:
         begin, end = float(drive.segments[k, BEGIN]), float(drive.segments[k, END])
         count = max(1, math.ceil((end - begin) / how.step - 1e-9))
         h = (end - begin) / count
         for index in range(count):
             t = begin + index * h
-            y[:] = self._rk4(drive, k, t, h, y) if how.method == RK4 else self._dop853(drive, k, t, h, y, stages, 0)
+            new = self._rk4(drive, k, t, h, y) if how.method == RK4 else self._dop853(drive, k, t, h, y, stages, 0)
+            error = _step_error(h, how, y, new, stages) if how.method == DOP853_CHECKED else 0.0
+            if not 1.0 < error < math.inf:
+                y[:] = new
+                continue
+            how.next_step[0] = h * step_factor(error, 1.0)
+            budget = self._adaptive(drive, k, (t, t + h), how, y, stages, budget)
+            if budget <= 0:
+                break
+        return budget
 
     def _dop853(self, drive: Drive, k: int, t: float, h: float, y: Vector, stages: Vector, first: int) -> Vector:
         for s in range(first, STAGES):
@@ -131,8 +142,17 @@ class PinocchioIntegrator:
         k4 = self.slope(drive, k, t + h, y + h * k3)
         return y + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
 
-    def _adaptive(self, drive: Drive, k: int, how: Stepping, y: Vector, stages: Vector, budget: int) -> int:
-        t, end, first, most = float(drive.segments[k, BEGIN]), float(drive.segments[k, END]), 0, 5.0
+    def _adaptive(
+        self,
+        drive: Drive,
+        k: int,
+        span: tuple[float, float],
+        how: Stepping,
+        y: Vector,
+        stages: Vector,
+        budget: int,
+    ) -> int:
+        (t, end), first, most = span, 0, 5.0
         wish = float(how.next_step[0]) or end - t
         while t < end:
             budget -= 1

@@ -55,7 +55,8 @@ class Orbit:
         r2 = np.sum(away * away, axis=1)
         u = np.einsum("kji,kj->ki", turns, away / np.sqrt(r2)[:, None])
         strength = 3.0 * self._rate**2 * (self._radius**2 / r2) ** 1.5
-        return strength[:, None] * crosses(u, np.einsum("kij,kj->ki", inertia, u))
+        torques: Vector = strength[:, None] * crosses(u, np.einsum("kij,kj->ki", inertia, u))
+        return torques
 
     def _place(self, t: float) -> Three:
         """Where the virtual point is [m]."""

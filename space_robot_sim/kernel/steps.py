@@ -14,7 +14,7 @@ from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.rhs import BEGIN, END, FIRST, Drive, Scratch, slope
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
 
-DOP853, DOP853_ADAPTIVE, RK4 = 0, 1, 2
+DOP853, DOP853_ADAPTIVE, RK4, DOP853_CHECKED = 0, 1, 2, 3
 DONE, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2
 (STEP_BOUND,) = constants(20_000)
 
@@ -23,10 +23,11 @@ class Stepping(NamedTuple):
     """How to integrate.
 
     Attributes:
-        method: DOP853, DOP853_ADAPTIVE or RK4.
+        method: DOP853, DOP853_ADAPTIVE, RK4 or DOP853_CHECKED: fixed steps, and adaptive ones in place of each that
+            misses the tolerance.
         step: longest fixed step [s].
-        rtol: relative tolerance of one adaptive step.
-        atol: absolute tolerance of one adaptive step, in the units of each state.
+        rtol: relative tolerance of one step, adaptive or checked.
+        atol: absolute tolerance of one step, in the units of each state.
         next_step: (1,) the adaptive step to try next [s]; 0: the whole segment.
     """
 
@@ -46,12 +47,13 @@ def integrate(robot: RobotArrays, drive: Drive, count: int, how: Stepping, y: Ve
     status, budget = DONE, STEP_BOUND
     for k in range(count):
         if how.method == DOP853_ADAPTIVE:
-            budget = _adaptive(robot, drive, k, how, y, memory, budget)
-            if budget <= 0:
-                status = TOO_MANY_STEPS
-                break
+            begin, end = drive.segments[k, BEGIN], drive.segments[k, END]
+            budget = _adaptive(robot, drive, k, begin, end, how, y, memory, budget)
         else:
-            _fixed(robot, drive, k, how, y, memory)
+            budget = _fixed(robot, drive, k, how, y, memory, budget)
+        if budget <= 0:
+            status = TOO_MANY_STEPS
+            break
     slope(robot, drive, count - 1, drive.segments[count - 1, END], y, memory.slope, memory)
     total = 0.0
     for i in range(y.shape[0]):
@@ -60,7 +62,8 @@ def integrate(robot: RobotArrays, drive: Drive, count: int, how: Stepping, y: Ve
 
 
 @inner
-def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch) -> None:
+def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch, budget: int) -> int:
+    """Cross one segment in equal steps; returns what is left of the budget of adaptive ones."""
     begin, end = drive.segments[k, BEGIN], drive.segments[k, END]
     # The margin keeps round-off in the length of a segment from costing one more step.
     count = max(1, math.ceil((end - begin) / how.step - 1e-9))
@@ -71,8 +74,17 @@ def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, m
             _rk4(robot, drive, k, t, h, y, memory)
         else:
             dop853_stages(robot, drive, k, t, h, y, memory, FIRST)
-            for i in range(y.shape[0]):
-                y[i] = memory.trial[i]
+            error = _step_error(h, how, y, memory) if how.method == DOP853_CHECKED else 0.0
+            if not 1.0 < error < math.inf:
+                # What is not finite is so after shorter steps, too, and shows at the end.
+                for i in range(y.shape[0]):
+                    y[i] = memory.trial[i]
+            else:
+                how.next_step[0] = h * step_factor(error, 1.0)
+                budget = _adaptive(robot, drive, k, t, t + h, how, y, memory, budget)
+                if budget <= 0:
+                    break
+    return budget
 
 
 @inner
@@ -101,9 +113,19 @@ def dop853_stages(
 
 
 @inner
-def _adaptive(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch, budget: int) -> int:
-    """Cross one segment under error control; returns what is left of the budget of steps, 0 where it ran out."""
-    t, end, first, most = drive.segments[k, BEGIN], drive.segments[k, END], 0, 5.0
+def _adaptive(
+    robot: RobotArrays,
+    drive: Drive,
+    k: int,
+    t: float,
+    end: float,
+    how: Stepping,
+    y: Vector,
+    memory: Scratch,
+    budget: int,
+) -> int:
+    """From t to the end within a segment under error control; returns what is left of the budget of steps, or 0."""
+    first, most = 0, 5.0
     wish = how.next_step[0] if how.next_step[0] > 0.0 else end - t
     while t < end:
         budget -= 1

@@ -121,9 +121,9 @@ def test_a_robot_in_orbit_is_turned_by_the_gradient() -> None:
     data = MODEL.createData()
     pin.ccrba(MODEL, data, np.array(samples[0].telemetry["true_configuration"]), np.zeros(MODEL.nv))
     u = np.array([1.0, 0.0, 0.0])
-    expected = 3.0 * Orbit(OrbitSpec()).rate ** 2 * np.cross(u, np.array(data.Ig.inertia) @ u)
+    expected: Vector = 3.0 * Orbit(OrbitSpec()).rate ** 2 * np.cross(u, np.array(data.Ig.inertia) @ u)
     assert np.linalg.norm(expected) > 1e-6
-    np.testing.assert_allclose(spin / 0.1, expected, rtol=1e-3, atol=1e-3 * np.linalg.norm(expected))
+    np.testing.assert_allclose(spin / 0.1, expected, rtol=1e-3, atol=1e-3 * float(np.linalg.norm(expected)))
 
 
 def test_the_tidal_acceleration_loses_no_digits() -> None:
