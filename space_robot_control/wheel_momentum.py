@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
@@ -37,17 +39,26 @@ class WheelMomentum:
             return
         self._limits, self._capacity, self._torque = CommandLimits(robot), wheels.momentum, wheels.torque
         self._preserve = robot.actuators.saturation == "direction_preserving"
-        axes = np.array(wheels.axes)
-        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-        self._axes, self._share = axes, np.linalg.pinv(axes.T)
+        axes = np.ascontiguousarray(self._limits.axes.T)
+        self._axes, self._share = axes, self._limits.share
         self._stored = np.zeros(len(axes))
         if wheels.initial_momentum is not None:
             self._stored = np.array(wheels.initial_momentum)
             self.momentum = self._stored @ axes
+        self._initial = self._stored, self.momentum
 
-    def torque(self, omega: Vector) -> Vector:
-        """Return omega x h (3,), what a base that turns at omega (3,) [rad/s] needs beside M a + c [N m]."""
-        return np.array(cross(omega.tolist(), self.momentum.tolist()))
+    def at_start(self) -> WheelMomentum:
+        """The same wheels with the momentum they start a run with."""
+        fresh = copy(self)
+        if self.present:
+            fresh._stored, fresh.momentum = self._initial
+            fresh.middle = np.zeros(3)
+        return fresh
+
+    def add_torque(self, u: Vector, omega: Vector) -> None:
+        """Add omega x h to u (6+n,), what a base that turns at omega (3,) [rad/s] needs beside M a + c [N m]."""
+        if self.present:
+            u[3:6] += cross(omega.tolist(), self.momentum.tolist())
 
     def apply(self, u: Vector, seconds: float) -> None:
         """Integrate the command u (6+n,) [N, N m] that acts over a time [s]."""

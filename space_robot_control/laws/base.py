@@ -147,7 +147,7 @@ class Law(Tunable, ABC):
         """
         self._layout = None
         self._sent.reset()
-        self.wheels = WheelMomentum(self.robot)
+        self.wheels = self.wheels.at_start()
         self.restart_events()
 
     def reset_in_run(self) -> None:
