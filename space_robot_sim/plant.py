@@ -91,7 +91,7 @@ class SimulatedRobot:
         self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
-        self._telemetry = PlantTelemetry(robot, self._wheels.size)
+        self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4")
         self._memory = plant_memory(robot.n, self._wheels.size)
         if self._compiled:
             sizes = np.zeros(6 + robot.n), self._seconds, self._memory, True
@@ -100,7 +100,8 @@ class SimulatedRobot:
 
     def reset(self) -> PlantSample:
         """Return to the initial state and show it (stamp 0)."""
-        for array in (self._memory.motors, self._memory.effort, self._memory.largest, self._how.next_step):
+        plant = self._memory
+        for array in (plant.motors, plant.effort, plant.largest, plant.scratch.error, self._how.next_step):
             array[:] = 0.0
         self._memory.y[:] = 0.0
         self._memory.y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])

@@ -74,8 +74,9 @@ def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, m
             _rk4(robot, drive, k, t, h, y, memory)
         else:
             dop853_stages(robot, drive, k, t, h, y, memory, FIRST)
-            error = _step_error(h, how, y, memory) if how.method == DOP853_CHECKED else 0.0
-            if not 1.0 < error < math.inf:
+            error, lost = _step_error(h, how, y, memory)
+            if how.method == DOP853 or not 1.0 < error < math.inf:
+                memory.error[0] += lost
                 # What is not finite is so after shorter steps, too, and shows at the end.
                 for i in range(y.shape[0]):
                     y[i] = memory.trial[i]
@@ -133,10 +134,11 @@ def _adaptive(
         if budget <= 0 or t + h == t:
             return 0
         dop853_stages(robot, drive, k, t, h, y, memory, first)
-        error = _step_error(h, how, y, memory)
+        error, lost = _step_error(h, how, y, memory)
         factor = step_factor(error, most)
         if error <= 1.0:
             t = end if h == end - t else t + h
+            memory.error[0] += lost
             for i in range(y.shape[0]):
                 y[i] = memory.trial[i]
             # A step cut short by the end of the segment says little about how long the next may be.
@@ -157,9 +159,13 @@ def step_factor(error: float, most: float) -> float:
 
 
 @inner
-def _step_error(h: float, how: Stepping, y: Vector, memory: Scratch) -> float:
-    """Error of the step relative to the tolerance (Hairer, Norsett, Wanner, sec. II.10, eq. 10.17)."""
-    sum_5, sum_3 = 0.0, 0.0
+def _step_error(h: float, how: Stepping, y: Vector, memory: Scratch) -> tuple[float, float]:
+    """Error of the step relative to the tolerance (Hairer, Norsett, Wanner, sec. II.10, eq. 10.17).
+
+    Beside it the largest error of the configuration [m or rad], each component by the same formula.
+    """
+    sum_5, sum_3, largest = 0.0, 0.0, 0.0
+    configuration = 7 + memory.effort.shape[0]
     for i in range(y.shape[0]):
         error_5, error_3 = 0.0, 0.0
         for s in range(STAGES):
@@ -168,9 +174,11 @@ def _step_error(h: float, how: Stepping, y: Vector, memory: Scratch) -> float:
         scale = how.atol + how.rtol * max(abs(y[i]), abs(memory.trial[i]))
         sum_5 += (error_5 / scale) ** 2
         sum_3 += (error_3 / scale) ** 2
+        if i < configuration and error_5 != 0.0:
+            largest = max(largest, abs(h) * error_5**2 / math.sqrt(error_5**2 + 0.01 * error_3**2))
     if sum_5 == 0.0 and sum_3 == 0.0:
-        return 0.0
-    return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.shape[0])
+        return 0.0, largest
+    return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.shape[0]), largest
 
 
 @inner
