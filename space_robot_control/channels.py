@@ -59,6 +59,8 @@ class Channels:
         self.index = np.array([names.index(name) for name in self.names])
         self._free = np.array([i for i, name in enumerate(names) if name not in held])
         self._robot = robot
+        # A grasp is seen by cameras, and the one sample at the start may be a wrong one.
+        self._held = np.array([robot.joint_names.index(name) for name in held], dtype=np.int64)
 
     @property
     def size(self) -> int:
@@ -82,12 +84,16 @@ class Channels:
     def response(self, model: NominalModel, q: Vector) -> Vector:
         """Return the (m, m) accelerations of the outputs per unit of input at rest, B [1/kg, 1/(kg m2)].
 
-        Held joints do not move; all others without an input move freely, a free-floating base for one.
+        Held joints stand where the robot file has them and do not move; all others without an input move freely, a
+        free-floating base for one.
 
         Args:
             model: the nominal model.
             q: (7+n,) configuration [m, -, rad].
         """
+        if self._held.size:
+            q = np.array(q)
+            q[7 + self._held] = self._robot.home[self._held]
         inverse = np.linalg.inv(model.mass_matrix(q)[np.ix_(self._free, self._free)])
         chosen = np.searchsorted(self._free, self.index)
         out: Vector = inverse[np.ix_(chosen, chosen)]

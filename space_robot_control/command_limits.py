@@ -17,6 +17,10 @@ class CommandLimits:
 
     Args:
         robot: the NOMINAL robot.
+
+    Attributes:
+        axes: (3, k) unit axes of the wheels, body frame; none without wheels.
+        share: (k, 3) share of every wheel in a torque.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -27,18 +31,18 @@ class CommandLimits:
         torque = robot.actuators.base_torque
         if isinstance(torque, ReactionWheels):
             axes = np.array(torque.axes).T
-            self._axes = axes / np.linalg.norm(axes, axis=0)
-            self._share = np.ascontiguousarray(np.linalg.pinv(self._axes))
+            self.axes = axes / np.linalg.norm(axes, axis=0)
+            self.share = np.ascontiguousarray(np.linalg.pinv(self.axes))
             self._wheel_limit = torque.torque
         else:
             limit[3:6] = torque.limit
-            self._axes, self._share, self._wheel_limit = np.zeros((3, 0)), np.zeros((0, 3)), 0.0
+            self.axes, self.share, self._wheel_limit = np.zeros((3, 0)), np.zeros((0, 3)), 0.0
         self._limit = limit
-        shares = self._share if self._share.size else np.identity(3)
-        torques = np.full(shares.shape[0], self._wheel_limit) if self._share.size else limit[3:6].copy()
+        shares = self.share if self.share.size else np.identity(3)
+        torques = np.full(shares.shape[0], self._wheel_limit) if self.share.size else limit[3:6].copy()
         force = np.zeros(3) if robot.actuators.base_force is None else limit[:3].copy()
         self._base = shares, torques, force
-        self._all = np.concatenate((limit, np.full(self._share.shape[0], self._wheel_limit)))
+        self._all = np.concatenate((limit, np.full(self.share.shape[0], self._wheel_limit)))
 
     @property
     def channels(self) -> Vector:
@@ -60,10 +64,10 @@ class CommandLimits:
     def per_axis(self, u: Vector) -> Vector:
         """Return the command (6+n,) with every channel, and every wheel, clipped on its own [N, N m]."""
         out = np.clip(u, -self._limit, self._limit)
-        if self._share.size:
-            torque = self._axes @ np.clip(self._share @ out[3:6], -self._wheel_limit, self._wheel_limit)
+        if self.share.size:
+            torque = self.axes @ np.clip(self.share @ out[3:6], -self._wheel_limit, self._wheel_limit)
             # More than three wheels share the clipped torque again, and one may again be beyond its limit.
-            largest = float(np.abs(self._share @ torque).max())
+            largest = float(np.abs(self.share @ torque).max())
             out[3:6] = torque if largest <= self._wheel_limit else torque * (self._wheel_limit / largest)
         return out
 
@@ -96,4 +100,4 @@ class CommandLimits:
         return float((self._all[beyond] / size[beyond]).min(initial=1.0))
 
     def _channels(self, u: Vector) -> Vector:
-        return np.concatenate((u, self._share @ u[3:6])) if self._share.size else u
+        return np.concatenate((u, self.share @ u[3:6])) if self.share.size else u

@@ -39,27 +39,27 @@ class WheelMomentum:
             return
         self._limits, self._capacity, self._torque = CommandLimits(robot), wheels.momentum, wheels.torque
         self._preserve = robot.actuators.saturation == "direction_preserving"
-        axes = np.array(wheels.axes)
-        axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-        self._axes, self._taken = axes, -np.linalg.pinv(axes.T)
+        axes = np.ascontiguousarray(self._limits.axes.T)
+        self._axes, self._taken = axes, -self._limits.share
         self._bounds = self._limits.channels.tolist()
         self._stored = [0.0] * len(axes)
         if wheels.initial_momentum is not None:
             stored = np.array(wheels.initial_momentum)
             self._stored, self.momentum = stored.tolist(), stored @ axes
-        self._start = self._stored, self.momentum
+        self._initial = self._stored, self.momentum
 
     def at_start(self) -> WheelMomentum:
-        """The same wheels as they are at the start of a run; what does not change is shared."""
+        """The same wheels with the momentum they start a run with."""
         fresh = copy(self)
         if self.present:
-            fresh._stored, fresh.momentum = self._start
-        fresh.middle = np.zeros(3)
+            fresh._stored, fresh.momentum = self._initial
+            fresh.middle = np.zeros(3)
         return fresh
 
-    def torque(self, omega: Vector) -> Vector:
-        """Return omega x h (3,), what a base that turns at omega (3,) [rad/s] needs beside M a + c [N m]."""
-        return np.array(cross(omega.tolist(), self.momentum.tolist()))
+    def add_torque(self, u: Vector, omega: Vector) -> None:
+        """Add omega x h to u (6+n,), what a base that turns at omega (3,) [rad/s] needs beside M a + c [N m]."""
+        if self.present:
+            u[3:6] += cross(omega.tolist(), self.momentum.tolist())
 
     def apply(self, u: Vector, seconds: float) -> None:
         """Integrate the command u (6+n,) [N, N m] that acts over a time [s]."""

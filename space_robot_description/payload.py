@@ -59,13 +59,24 @@ def attach_payload(robot: Robot, payload: Payload) -> Robot:
     Reference:
         Parallel-axis theorem, e.g. Featherstone (2008), "Rigid Body Dynamics Algorithms", (2.63).
     """
+    joint, inertia = held_body(robot, payload)
+    model = robot.model.copy()
+    model.inertias[joint] = model.inertias[joint] + inertia
+    return dataclasses.replace(robot, model=model)
+
+
+def held_body(robot: Robot, payload: Payload) -> tuple[int, Any]:
+    """Index of the joint that moves a payload, and the payload's ``pin.Inertia`` in the frame of that joint.
+
+    Raises:
+        SpecError: no such frame (with the nearest names).
+        InertiaError: the payload cannot exist (mass not positive, triangle inequality, ...).
+    """
     inertia, com = tensor(payload.inertia, "payload.inertia"), np.array(payload.com)
     check_inertia("payload", payload.mass, com, inertia, point_mass=True)
     joint, placement = _holder(robot, payload.frame)
     placement = placement * pin.SE3(pin.rpy.rpyToMatrix(np.array(payload.pose.rpy)), np.array(payload.pose.xyz))
-    model = robot.model.copy()
-    model.inertias[joint] = model.inertias[joint] + placement.act(pin.Inertia(payload.mass, com, inertia))
-    return dataclasses.replace(robot, model=model)
+    return joint, placement.act(pin.Inertia(payload.mass, com, inertia))
 
 
 def _entries(inertia: InertiaInput) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.rhs import COULOMB, LAG, VISCOUS
-from space_robot_sim.kernel.steps import DOP853, DOP853_ADAPTIVE, RK4, Stepping
+from space_robot_sim.kernel.steps import DOP853, DOP853_ADAPTIVE, DOP853_CHECKED, RK4, Stepping
 from space_robot_sim.spec import IntegratorSpec, fixed_steps, method
 
 _CODES = {"dop853": DOP853, "dop853_adaptive": DOP853_ADAPTIVE, "rk4": RK4}
@@ -44,4 +44,6 @@ def stepping(spec: IntegratorSpec, robot: RobotArrays, period: int, *, rough: bo
     step = period / NANOSECONDS
     if kind != "dop853_adaptive":
         step /= fixed_steps(spec, kind, period)
-    return Stepping(_CODES[kind], step, spec.rtol, spec.atol, np.zeros(1))
+    # What the file says in so many words is done; `auto` looks at the error.
+    code = DOP853_CHECKED if (spec.kind, kind) == ("auto", "dop853") else _CODES[kind]
+    return Stepping(code, step, spec.rtol, spec.atol, np.zeros(1))

@@ -28,6 +28,7 @@ from space_robot_sim.kernel.rhs import (
 from space_robot_sim.kernel.steps import (
     DONE,
     DOP853_ADAPTIVE,
+    DOP853_CHECKED,
     NOT_FINITE,
     RK4,
     STEP_BOUND,
@@ -62,17 +63,19 @@ class PinocchioIntegrator:
 
     def integrate(self, drive: Drive, count: int, how: Stepping, y: Vector, memory: Scratch) -> int:
         """Take y through ``count`` segments, leave dy/dt at the end in ``memory.slope``; returns a status."""
-        status = DONE
+        status, self._error = DONE, 0.0
         with np.errstate(over="ignore", invalid="ignore"):
             budget = STEP_BOUND
             for k in range(count):
                 if how.method == DOP853_ADAPTIVE:
-                    budget = self._adaptive(drive, k, how, y, memory.stages, budget)
-                    if budget <= 0:
-                        status = TOO_MANY_STEPS
-                        break
+                    span = float(drive.segments[k, BEGIN]), float(drive.segments[k, END])
+                    budget = self._adaptive(drive, k, span, how, y, memory.stages, budget)
                 else:
-                    self._fixed(drive, k, how, y, memory.stages)
+                    budget = self._fixed(drive, k, how, y, memory.stages, budget)
+                if budget <= 0:
+                    status = TOO_MANY_STEPS
+                    break
+            memory.error[0] += self._error
             memory.slope[:] = self.slope(drive, count - 1, float(drive.segments[count - 1, END]), y)
             finite = bool(np.isfinite(y.sum() + memory.slope.sum()))
         return status if finite else NOT_FINITE
@@ -111,13 +114,23 @@ class PinocchioIntegrator:
         out: Vector = motor - self._viscous * rates - self._coulomb * np.tanh(rates / self._coulomb_velocity)
         return out
 
-    def _fixed(self, drive: Drive, k: int, how: Stepping, y: Vector, stages: Vector) -> None:
+    def _fixed(self, drive: Drive, k: int, how: Stepping, y: Vector, stages: Vector, budget: int) -> int:
         begin, end = float(drive.segments[k, BEGIN]), float(drive.segments[k, END])
         count = max(1, math.ceil((end - begin) / how.step - 1e-9))
         h = (end - begin) / count
         for index in range(count):
             t = begin + index * h
-            y[:] = self._rk4(drive, k, t, h, y) if how.method == RK4 else self._dop853(drive, k, t, h, y, stages, 0)
+            new = self._rk4(drive, k, t, h, y) if how.method == RK4 else self._dop853(drive, k, t, h, y, stages, 0)
+            error, lost = (0.0, 0.0) if how.method == RK4 else _step_error(h, how, y, new, stages)
+            if how.method != DOP853_CHECKED or not 1.0 < error < math.inf:
+                self._error += lost
+                y[:] = new
+                continue
+            how.next_step[0] = h * step_factor(error, 1.0)
+            budget = self._adaptive(drive, k, (t, t + h), how, y, stages, budget)
+            if budget <= 0:
+                break
+        return budget
 
     def _dop853(self, drive: Drive, k: int, t: float, h: float, y: Vector, stages: Vector, first: int) -> Vector:
         for s in range(first, STAGES):
@@ -131,8 +144,17 @@ class PinocchioIntegrator:
         k4 = self.slope(drive, k, t + h, y + h * k3)
         return y + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
 
-    def _adaptive(self, drive: Drive, k: int, how: Stepping, y: Vector, stages: Vector, budget: int) -> int:
-        t, end, first, most = float(drive.segments[k, BEGIN]), float(drive.segments[k, END]), 0, 5.0
+    def _adaptive(
+        self,
+        drive: Drive,
+        k: int,
+        span: tuple[float, float],
+        how: Stepping,
+        y: Vector,
+        stages: Vector,
+        budget: int,
+    ) -> int:
+        (t, end), first, most = span, 0, 5.0
         wish = float(how.next_step[0]) or end - t
         while t < end:
             budget -= 1
@@ -140,10 +162,11 @@ class PinocchioIntegrator:
             if budget <= 0 or t + h == t:
                 return 0
             new = self._dop853(drive, k, t, h, y, stages, first)
-            error = _step_error(h, how, y, new, stages)
+            error, lost = _step_error(h, how, y, new, stages)
             factor = step_factor(error, most)
             if error <= 1.0:
                 t = end if h == end - t else t + h
+                self._error += lost
                 y[:] = new
                 wish = max(wish, h * factor) if h < wish else h * factor
                 first, most = 0, 5.0
@@ -153,10 +176,14 @@ class PinocchioIntegrator:
         return budget
 
 
-def _step_error(h: float, how: Stepping, y: Vector, new: Vector, stages: Vector) -> float:
+def _step_error(h: float, how: Stepping, y: Vector, new: Vector, stages: Vector) -> tuple[float, float]:
+    """Error relative to the tolerance, and the largest of the configuration; see `kernel.steps`."""
     scale = how.atol + how.rtol * np.maximum(np.abs(y), np.abs(new))
-    sum_5 = float(np.sum((ERROR_5 @ stages / scale) ** 2))
-    sum_3 = float(np.sum((ERROR_3 @ stages / scale) ** 2))
+    error_5, error_3 = ERROR_5 @ stages, ERROR_3 @ stages
+    sum_5, sum_3 = float(np.sum((error_5 / scale) ** 2)), float(np.sum((error_3 / scale) ** 2))
     if sum_5 == 0.0 and sum_3 == 0.0:
-        return 0.0
-    return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.size)
+        return 0.0, 0.0
+    squares = error_5[: 7 + (y.size - 20) // 2] ** 2
+    total = np.sqrt(squares + 0.01 * error_3[: squares.size] ** 2)
+    largest = abs(h) * float(np.divide(squares, total, out=np.zeros_like(total), where=total > 0.0).max())
+    return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.size), largest

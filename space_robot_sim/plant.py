@@ -14,6 +14,7 @@ from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
+from space_robot_sim.capture import FreeBody, RobotChange, catch
 from space_robot_sim.command_hold import Acting, CommandHold
 from space_robot_sim.command_monitor import CommandMonitor
 from space_robot_sim.faults.actuation import ActuationStage, brake
@@ -25,6 +26,7 @@ from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.arrays import LOCKED, RobotArrays, robot_arrays
+from space_robot_sim.kernel.momentum import ENERGY, LINEAR
 from space_robot_sim.kernel.period import PlantMemory, advance, plant_memory, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
@@ -46,8 +48,7 @@ class SimulatedRobot:
         seed: of the sensors' noise.
         delay_periods: 1: the command that answers state k acts from state k+1 on, and nothing does before.
         hold: what acts in place of a missing command: nothing, the last one, or the last one for some periods.
-        changes: (stamp [ns], robot from then on) in order: the same joints and actuators, other inertias. The motion
-            goes on as it is, and the conservation baseline is reset.
+        changes: the robots that run in the course of a run, in order.
         faults: what goes wrong with its actuators and sensors, and the events that say so.
         monitor: what is checked of commands before they act; None: nothing.
 
@@ -66,7 +67,7 @@ class SimulatedRobot:
         seed: int = 0,
         delay_periods: Literal[0, 1] = 0,
         hold: Hold = "zero",
-        changes: Sequence[tuple[int, Robot]] = (),
+        changes: Sequence[RobotChange] = (),
         faults: FaultPlan | None = None,
         monitor: MonitorSpec | None = None,
     ) -> None:
@@ -79,7 +80,7 @@ class SimulatedRobot:
         self._hold = CommandHold(robot.n, delay_periods=delay_periods, hold=hold)
         self._monitor = CommandMonitor(monitor, command_limit(robot), robot.joint_names)
         self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
-        self._robots = {0: robot, **dict(changes)}
+        self._changes = (RobotChange(0, robot), *changes)
         self._healthy = self._arrays = robot_arrays(robot.model, motor_numbers(robot))
         self._able = capability(robot, control_period)
         self._plan = faults or FaultPlan((), control_period, 0)
@@ -90,7 +91,7 @@ class SimulatedRobot:
         self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
-        self._telemetry = PlantTelemetry(robot, self._wheels.size)
+        self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4")
         self._memory = plant_memory(robot.n, self._wheels.size)
         if self._compiled:
             sizes = np.zeros(6 + robot.n), self._seconds, self._memory, True
@@ -99,7 +100,8 @@ class SimulatedRobot:
 
     def reset(self) -> PlantSample:
         """Return to the initial state and show it (stamp 0)."""
-        for array in (self._memory.motors, self._memory.effort, self._memory.largest, self._how.next_step):
+        plant = self._memory
+        for array in (plant.motors, plant.effort, plant.largest, plant.scratch.error, self._how.next_step):
             array[:] = 0.0
         self._memory.y[:] = 0.0
         self._memory.y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
@@ -111,7 +113,7 @@ class SimulatedRobot:
         self._able = self._actuation.reset()
         self._wire.reset()
         self._sensing.reset()
-        self._switch_model(self._robots[0])
+        self._switch_models()
         return self._show(nothing)
 
     def step(self, command: Command | None) -> PlantSample:
@@ -121,8 +123,8 @@ class SimulatedRobot:
             CommandError: the command is not for this many joints.
             IntegrationError: the state stopped being finite, or the tolerance cannot be kept.
         """
-        if self._stamp and self._stamp in self._robots:
-            self._switch_model(self._robots[self._stamp])
+        if self._stamp:
+            self._switch_models()
         if self._wire.faulty:
             command = self._wire.carry(self._stamp // self._period, command)
         acting = self._hold.take(self._monitor.check(command))
@@ -132,13 +134,28 @@ class SimulatedRobot:
             raise self._failure(status)
         return self._show(acting)
 
-    def _switch_model(self, robot: Robot) -> None:
-        """Switch to this robot from here on, with a new conservation baseline."""
-        self._model = robot.model
-        self._healthy = robot_arrays(robot.model, motor_numbers(robot))
-        self._use(self._healthy)
-        self._memory.y[13 + 2 * self._n :] = 0.0
-        self._advance(self._hold.held.u, start=True)
+    def _switch_models(self) -> None:
+        """Let the robot of this instant run on; what it catches is balanced, anything else has a new baseline."""
+        for change in self._changes:
+            if change.stamp != self._stamp:
+                continue
+            self._model = change.robot.model
+            self._healthy = robot_arrays(self._model, motor_numbers(change.robot))
+            self._use(self._healthy)
+            if change.caught is not None:
+                self._catch(change.caught)
+            if change.caught is None or not self._stamp:
+                self._memory.y[13 + 2 * self._n :] = 0.0
+                self._advance(self._hold.held.u, start=True)
+
+    def _catch(self, body: FreeBody) -> None:
+        """Rates jump; momentum and energy that the body brings were there from the start of the balance on."""
+        y, n, initial = self._memory.y, self._n, self._memory.initial
+        impact = catch(self._model, y[: 7 + n], y[7 + n : 13 + 2 * n].copy(), body)
+        y[7 + n : 13 + 2 * n] = impact.velocity
+        y[13 + 2 * n] += impact.work
+        initial[LINEAR : LINEAR + 6] += impact.momentum
+        initial[ENERGY] += impact.energy
 
     def _use(self, arrays: RobotArrays) -> None:
         """Integrate this robot from here on."""

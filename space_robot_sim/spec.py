@@ -21,13 +21,15 @@ class IntegratorSpec(Strict):
     """Integration of the true robot."""
 
     kind: Literal["auto", "dop853", "dop853_adaptive", "rk4"] = Field(
-        default="auto", description="auto: dop853 in fixed steps, dop853_adaptive where a motor has lag or friction"
+        default="auto",
+        description="auto: dop853 in fixed steps, each repeated in shorter ones where it misses the tolerance, "
+        "dop853_adaptive where a motor has lag or friction",
     )
     step: PositiveFloat | None = Field(
         default=None, description="longest fixed step [s]; default 0.05 (dop853), 0.005 (rk4)"
     )
-    rtol: PositiveFloat = Field(default=1e-9, description="relative tolerance of an adaptive step")
-    atol: PositiveFloat = Field(default=1e-12, description="absolute tolerance of an adaptive step [SI units]")
+    rtol: PositiveFloat = Field(default=1e-9, description="relative tolerance of a step")
+    atol: PositiveFloat = Field(default=1e-12, description="absolute tolerance of a step [SI units]")
     kernel: Literal["auto", "numba", "pinocchio"] = Field(
         default="auto", description="auto: compiled where numba is installed, over pinocchio where not"
     )

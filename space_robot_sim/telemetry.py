@@ -18,14 +18,15 @@ class PlantTelemetry:
     angular), ``energy_residual``, ``quaternion_residual``, ``wheel_momentum`` (robots with wheels), ``applied_wrench``
     (6, mean), ``applied_effort`` (n, mean), ``saturation`` (6+n, 0 or 1), ``joint_limit`` (n, how far outside [rad or
     m]), ``command_stamp`` (of the command that acted [ns], -1: none), ``force_ignored`` (free-floating robots: 1 if a
-    force was commanded).
+    force was commanded), ``integration_error`` (estimated errors of all steps so far, summed [m or rad]).
 
     Args:
         robot: the true robot.
         wheels: number of its reaction wheels.
+        estimated: the integration estimates its error.
     """
 
-    def __init__(self, robot: Robot, wheels: int) -> None:
+    def __init__(self, robot: Robot, wheels: int, *, estimated: bool = True) -> None:
         n = robot.n
         blocks = {
             "true_configuration": 7 + n,
@@ -42,6 +43,9 @@ class PlantTelemetry:
         self._floating = robot.base_mode == "free_floating"
         if self._floating:
             blocks["force_ignored"] = 1
+        self._estimated = estimated
+        if estimated:
+            blocks["integration_error"] = 1
         self._labels, self._sizes = tuple(blocks), tuple(blocks.values())
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
@@ -53,6 +57,8 @@ class PlantTelemetry:
         rest.append(float(acting.stamp))
         if self._floating:
             rest.append(float(any(acting.u[:3].tolist())))
+        if self._estimated:
+            rest.append(float(plant.scratch.error[0]))
         parts = (
             plant.y[: 13 + 2 * self._n],
             plant.now[:7],

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
-from space_robot_bringup.compose.plants import PLANTS, PlantParts
+from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
 from space_robot_bringup.judge.metrics import axis_names, metric_names
@@ -54,7 +54,7 @@ class Composition:
         experiment: what it was made from.
         nominal: the robot the flight software believes in.
         truth: the true robot, as it starts.
-        changes: (stamp [ns], true robot from then on), in order.
+        changes: the true robots of the course of the run, in order.
         faults: what goes wrong; None: nothing.
         policy: whose code may be its laws.
     """
@@ -62,7 +62,7 @@ class Composition:
     experiment: Experiment
     nominal: Robot
     truth: Robot
-    changes: tuple[tuple[int, Robot], ...]
+    changes: Changes
     faults: FaultPlan | None
     policy: LawPolicy
     _reference: ReferenceSource

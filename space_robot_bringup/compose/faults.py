@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 
 from space_robot_bringup.compose.plants import Changes, capture_tick
@@ -11,9 +14,10 @@ from space_robot_description.payload import Payload, attach_payload
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
+from space_robot_sim.capture import RobotChange, TargetSpec, free_body
 from space_robot_sim.faults.base import FaultSite
 from space_robot_sim.faults.body import BodyFault, PayloadCaptured
-from space_robot_sim.faults.plan import FaultPlan, plan_faults
+from space_robot_sim.faults.plan import FaultPlan, PlannedFault, plan_faults
 
 
 def fault_plan(experiment: Experiment, truth: Robot, seed: np.random.SeedSequence) -> FaultPlan | None:
@@ -41,31 +45,49 @@ def fault_plan(experiment: Experiment, truth: Robot, seed: np.random.SeedSequenc
 
 
 def robots_with_faults(plan: FaultPlan, bare: Robot, spec: PlantSpec) -> Changes:
-    """(stamp [ns], robot from then on) of a run with faults of the body, captures included.
+    """The true robots of the course of a run with faults of the body, captures included.
 
     Args:
         plan: of the run.
         bare: the true robot without anything in its hand.
         spec: of the plant.
     """
-    faults = plan.of(BodyFault)
-    capture = capture_tick(spec, plan.period / NANOSECONDS)
-    edges = {one.first for one in faults} | {one.end for one in faults if one.fault.for_ is not None}
-    edges |= {capture} if capture >= 0 else set()
-    return tuple((tick * plan.period, _robot_at(tick, plan, bare, spec, capture)) for tick in sorted(edges))
-
-
-def _robot_at(tick: int, plan: FaultPlan, bare: Robot, spec: PlantSpec, capture: int) -> Robot:
-    held: tuple[Payload, ...] = () if spec.payload is None else (spec.payload,)
-    acting = [(one.first, one.index, one.fault) for one in plan.of(BodyFault) if one.acts(tick)]
-    if spec.capture is not None and capture <= tick:
-        taken = PayloadCaptured(kind="payload_captured", at=spec.capture.time, payload=spec.capture.payload)
-        acting.append((capture, -1, taken))
-    robot = bare
+    happening = [*_caught_by_plan(spec, plan), *plan.of(BodyFault)]
     # In the order of their onsets: what is lost was taken before.
-    for _, _, fault in sorted(acting, key=lambda one: one[:2]):
-        assert isinstance(fault, BodyFault)
-        robot, held = fault.change(robot), fault.hold(held)
+    happening.sort(key=lambda one: (one.first, one.index))
+    edges = {one.first for one in happening} | {one.end for one in happening if one.fault.for_ is not None}
+    return tuple(change for tick in sorted(edges) for change in _changes_at(tick, happening, bare, spec, plan.period))
+
+
+def _caught_by_plan(spec: PlantSpec, plan: FaultPlan) -> Iterator[PlannedFault]:
+    """What `plant.capture` says, as if it were a fault before all others."""
+    if spec.capture is not None:
+        target = {name: getattr(spec.capture, name) for name in TargetSpec.model_fields}
+        taken = PayloadCaptured(kind="payload_captured", at=spec.capture.time, **target)
+        yield PlannedFault(taken, -1, "capture", capture_tick(spec, plan.period / NANOSECONDS), sys.maxsize)
+
+
+def _changes_at(
+    tick: int, happening: Sequence[PlannedFault], bare: Robot, spec: PlantSpec, period: int
+) -> Iterator[RobotChange]:
+    """One change for all that ends at a tick, then one for each that begins: an impact needs the robot before it."""
+    robot = _robot_with([one for one in happening if one.first < tick < one.end], bare, spec)
+    if any(one.end == tick for one in happening):
+        yield RobotChange(tick * period, robot)
+    for index, one in enumerate(happening):
+        if one.first == tick:
+            acting = [other for other in happening[: index + 1] if other.acts(tick)]
+            body = free_body(robot, one.fault) if isinstance(one.fault, PayloadCaptured) else None
+            yield RobotChange(tick * period, _robot_with(acting, bare, spec), body)
+
+
+def _robot_with(acting: Sequence[PlannedFault], bare: Robot, spec: PlantSpec) -> Robot:
+    """The robot under these faults, in the order of their onsets."""
+    robot = bare
+    held: tuple[Payload, ...] = () if spec.payload is None else (spec.payload,)
+    for one in acting:
+        assert isinstance(one.fault, BodyFault)
+        robot, held = one.fault.change(robot), one.fault.hold(held)
     for payload in held:
         robot = attach_payload(robot, payload)
     return robot

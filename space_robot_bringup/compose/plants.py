@@ -14,6 +14,7 @@ from space_robot_description.payload import attach_payload
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
+from space_robot_sim.capture import RobotChange, free_body
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.grasp.airbearing import AirbearingTestbed
 from space_robot_sim.grasp.captured import CapturedDebris, capability
@@ -22,7 +23,7 @@ from space_robot_sim.initial import InitialState, RunConditions
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import fixed_steps, method
 
-Changes = tuple[tuple[int, Robot], ...]
+Changes = tuple[RobotChange, ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -34,7 +35,7 @@ class PlantParts:
         period: control period [ns].
         initial: where it starts.
         seed: of everything random in the plant.
-        changes: (stamp [ns], true robot from then on), in order.
+        changes: the true robots of the course of the run, in order.
         faults: what goes wrong; None: nothing.
     """
 
@@ -84,11 +85,13 @@ def _captures(spec: PlantSpec, truth: Robot, control_period: float) -> Changes:
     if spec.capture is None:
         return ()
     period = to_nanoseconds(control_period, "control_period")
-    return ((capture_tick(spec, control_period) * period, attach_payload(truth, spec.capture.payload)),)
+    laden = attach_payload(truth, spec.capture.payload)
+    stamp = capture_tick(spec, control_period) * period
+    return (RobotChange(stamp, laden, free_body(truth, spec.capture)),)
 
 
 def capture_tick(spec: PlantSpec, control_period: float) -> int:
-    """The tick from which a payload is held that is taken in a run; -1: none is."""
+    """The tick from which a body is held that is caught in a run; -1: none is."""
     return -1 if spec.capture is None else steps_of(spec.capture.time, control_period, "plant.capture.time")
 
 

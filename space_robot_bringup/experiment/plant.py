@@ -10,6 +10,7 @@ from pydantic import Discriminator, Field, PositiveFloat, SerializerFunctionWrap
 from space_robot_description.dispersion import Dispersion
 from space_robot_description.payload import Payload
 from space_robot_description.spec import Strict
+from space_robot_sim.capture import TargetSpec
 from space_robot_sim.grasp.spec import AirbearingSpec, CapturedSpec
 from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
 
@@ -36,18 +37,17 @@ class PlantTiming(ModelSpec):
         return {key: value for key, value in handler(self).items() if key != "monitor" or value is not None}
 
 
-class Capture(Strict):
-    """A rigid body taken during the run, at the velocity of the hand: no impact, and no notice to the law."""
+class Capture(TargetSpec):
+    """A rigid body that the hand catches during the run, without notice to the law."""
 
     time: PositiveFloat = Field(description="when it is held from [s], a multiple of the control period")
-    payload: Payload
 
 
 class PlantSpec(PlantTiming):
     """What the real robot does: the truth. An articulated robot in free space."""
 
     kind: Literal["articulated"] = "articulated"
-    capture: Capture | None = Field(default=None, description="a payload taken during the run")
+    capture: Capture | None = Field(default=None, description="a free body caught during the run")
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     sensors: SensorSpec = Field(default_factory=SensorSpec)
 

@@ -17,6 +17,8 @@ from space_robot_msgs_py.log.blocks import BLOCK
 SETTLING_BAND = 0.02
 STILL = 1e-9
 MOVED = 1e-6
+# Not every plant estimates it, and older logs do not have it.
+INTEGRATION_ERROR = "integration_error"
 PEAKS = ("momentum_residual", "energy_residual", "quaternion_residual", "joint_limit")
 # Stamps [ns] of K ticks, plant telemetry by label, desired configurations and velocities.
 Block = tuple[npt.NDArray[np.int64], Mapping[str, Matrix], Matrix, Matrix]
@@ -104,6 +106,7 @@ class Measurement:
         self._torque: list[Vector] = []
         self._largest_error, self._last_error = np.zeros(len(self._names)), np.zeros(len(self._names))
         self._peaks = dict.fromkeys(PEAKS, 0.0)
+        self._integration_error: float | None = None
         self._saturated = self._saturated_first = 0
         self._goal: Vector = np.empty(0)
         self._moving = False
@@ -135,6 +138,8 @@ class Measurement:
         self._moving = bool(np.abs(v_d[-1]).max() > STILL)
         for name in PEAKS:
             self._peaks[name] = float(np.maximum(self._peaks[name], np.max(np.abs(plant[name]), initial=0.0)))
+        if INTEGRATION_ERROR in plant:
+            self._integration_error = max(self._integration_error or 0.0, float(np.max(plant[INTEGRATION_ERROR])))
         saturated = plant["saturation"].max(axis=1, initial=0.0) > 0.0
         self._saturated_first = self._saturated_first if self._stamps else int(saturated[0])
         self._saturated += int(np.count_nonzero(saturated))
@@ -161,6 +166,7 @@ class Measurement:
             axes=tuple(self._axes(time)),
             saturation_share=self._saturation_share(time.size),
             effort_integral=float(np.concatenate(self._torque) @ np.diff(time, prepend=time[0])),
+            integration_error=self._integration_error,
             **self._peaks,
         )
         for key, value in metrics.flat().items():

@@ -19,6 +19,7 @@ PER_RUN = (
     "quaternion_residual",
     "effort_integral",
     "joint_limit",
+    "integration_error",
 )
 
 
@@ -63,6 +64,8 @@ class RunMetrics:
         quaternion_residual: largest deviation of the attitude quaternion's norm before normalisation [-].
         effort_integral: integral of the sum of |joint effort| and |base torque| [N m s].
         joint_limit: largest excursion beyond a joint limit [rad or m].
+        integration_error: estimated errors of all steps of the plant's integration, summed [rad or m]; None where the
+            log does not say.
     """
 
     ticks: int
@@ -74,6 +77,7 @@ class RunMetrics:
     quaternion_residual: float
     effort_integral: float
     joint_limit: float
+    integration_error: float | None = None
 
     def flat(self) -> dict[str, float | None]:
         """Every number under one dotted name, e.g. ``base/roll.settling_time``; what ``expect:`` addresses."""

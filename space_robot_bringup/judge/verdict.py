@@ -14,8 +14,15 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.arrays import Stamps
 
-# A plant that loses more than this is wrong, whatever the controller does.
-PLANT_BOUNDS = {"momentum_residual": 1e-8, "energy_residual": 1e-7, "quaternion_residual": 1e-8}
+# A plant that loses more than this is wrong, whatever the controller does. The residuals bound no trajectory: fixed
+# steps keep momentum to 1e-8 where joints are 1e-3 rad off. The error of the integration does, where it is estimated.
+INTEGRATION_ERROR = "integration_error"
+PLANT_BOUNDS = {
+    "momentum_residual": 1e-8,
+    "energy_residual": 1e-7,
+    "quaternion_residual": 1e-8,
+    INTEGRATION_ERROR: 1e-5,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +82,8 @@ def judge(metrics: RunMetrics, expect: Mapping[str, Expectation], end_reason: st
     checks = [check_end(end_reason)]
     for name, bound in PLANT_BOUNDS.items():
         value = numbers[name]
-        checks.append(Check(name, value, f"<= {bound:g}", value is not None and value <= bound))
+        if value is not None or name != INTEGRATION_ERROR:
+            checks.append(Check(name, value, f"<= {bound:g}", value is not None and value <= bound))
     for name, expectation in expect.items():
         checks += check_bounds(name, numbers[name], expectation)
     return tuple(checks)

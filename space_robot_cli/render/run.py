@@ -77,6 +77,7 @@ def _totals(mode: str, result: RunResult, metrics: RunMetrics) -> Table:
         "saturation share": f"{100 * metrics.saturation_share:.1f} % of periods",
         "momentum residual": f"{metrics.momentum_residual:.1e}",
         "energy residual": f"{metrics.energy_residual:.1e}",
+        "integration error": "-" if metrics.integration_error is None else f"{metrics.integration_error:.1e} rad or m",
         "torque integral": f"{metrics.effort_integral:.4g} N m s",
         "joint limits": "kept" if metrics.joint_limit == 0.0 else f"exceeded by {metrics.joint_limit:.3g} rad",
         "wall time": f"{result.wall_time:.2f} s for {metrics.simulated_time:g} s ({mode})",

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from space_robot_bringup.judge.metrics import Matrix, deviations
-from space_robot_bringup.judge.verdict import PLANT_BOUNDS
+from space_robot_bringup.judge.verdict import INTEGRATION_ERROR, PLANT_BOUNDS
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import to_rpy
 from space_robot_description.spec import ReactionWheels
@@ -29,6 +29,7 @@ SHOWN = (
     "momentum_residual",
     "energy_residual",
     "quaternion_residual",
+    INTEGRATION_ERROR,
 )
 # The residual of a run that lost nothing at all still has a place on a logarithmic axis.
 FLOOR = 1e-18
@@ -92,7 +93,7 @@ def conservation_plots(arrays: LogArrays) -> Iterator[Plot]:
             continue
         block = np.maximum(np.abs(arrays.plant[label]), FLOOR)
         names = ("linear", "angular") if block.shape[1] == 2 else ("",) * block.shape[1]
-        title = f"{label.replace('_', ' ').capitalize()} [-]"
+        title = f"{label.replace('_', ' ').capitalize()} {'[rad or m]' if label == INTEGRATION_ERROR else '[-]'}"
         yield Plot(title, lines(arrays.time, block, names), levels={"allowed": allowed}, log=True)
 
 

@@ -14,13 +14,14 @@ from space_robot_description.payload import Payload, attach_payload
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Three
 from space_robot_msgs_py.errors import SpecError
+from space_robot_sim.capture import TargetSpec
 from space_robot_sim.faults.base import Actuation, ActuationFault, Fault, FaultSite, check_among
 
 
 class BodyFault(Fault):
     """A fault after which another robot runs on: same joints and actuators, other inertias.
 
-    The motion goes on as it is, and momentum and energy are balanced anew from there on.
+    But for what is caught, the motion goes on as it is, and momentum and energy are balanced anew from there on.
     """
 
     group: ClassVar[str] = "body"
@@ -34,11 +35,10 @@ class BodyFault(Fault):
         return robot
 
 
-class PayloadCaptured(BodyFault):
-    """A rigid body is taken at the velocity of the hand, without impact; the flight software does not know of it."""
+class PayloadCaptured(BodyFault, TargetSpec):
+    """The hand catches a free body in a plastic impact; the flight software does not know of it."""
 
     kind: Literal["payload_captured"] = "payload_captured"
-    payload: Payload
 
     @property
     def place(self) -> str:

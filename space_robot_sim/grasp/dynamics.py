@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -11,7 +12,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.rotations import Three, conjugate, cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.grasp.law import Grasp
-from space_robot_sim.grasp.orbit import Orbit
+from space_robot_sim.grasp.orbit import Orbit, crosses
 from space_robot_sim.kernel.tableau import STAGES, A, B, C
 
 NOTHING: Three = (0.0, 0.0, 0.0)
@@ -59,13 +60,15 @@ class GraspDynamics:
         grasp: its forces.
         joints: indices of the grasp's three joints.
         lag: of the wheels [s].
-        orbit: adds its acceleration to every body, as at the base origin; None: free space.
+        orbit: pulls every body at its centre of mass and turns it by the gradient; None: free space.
     """
 
     def __init__(
         self, robot: Robot, grasp: Grasp, joints: tuple[int, int, int], lag: float, orbit: Orbit | None = None
     ) -> None:
-        self._orbit, self._mass = orbit, float(pin.computeTotalMass(robot.model))
+        self._orbit, bodies = orbit, list(robot.model.inertias)[1:]
+        self._masses, self._levers = np.array([one.mass for one in bodies]), np.array([one.lever for one in bodies])
+        self._inertias = np.array([one.inertia for one in bodies])
         self._model, self._data = robot.model, robot.model.createData()
         self._grasp, self._joints, self._lag, n = grasp, joints, lag, robot.n
         self.velocity, self.bristle = slice(7 + n, 13 + 2 * n), 13 + 2 * n
@@ -101,29 +104,44 @@ class GraspDynamics:
         gyroscopic = cross(omega, wheels)
         torque = [external[i] + wheel_torque[i] - gyroscopic[i] for i in range(3)]
         self._q[7:] = joints
-        acceleration = pin.aba(self._model, self._data, self._q, y[self.velocity], np.array([*force, *torque, *effort]))
+        applied = np.array([*force, *torque, *effort])
+        weight, weight_balance = self._weight(t, y)
+        acceleration = pin.aba(self._model, self._data, self._q, y[self.velocity], applied, *weight)
         inertial, moment = rotate_by_matrix(quaternion, force), rotate_by_matrix(quaternion, external)
         arm = cross(position, inertial)
         power = sum(a * b for a, b in zip((*force, *torque, *effort), (*twist, *rates), strict=True))
         # The torque has the gyroscopic part, which does no work: it is at right angles to omega.
         balance = [power, *inertial, *(arm[i] + moment[i] for i in range(3))]
-        if self._orbit is not None:
-            fall = self._orbit.acceleration(t, (position[0], position[1], position[2]))
-            # Everything falls alike: the base gains the acceleration, joints and rotation do not notice.
-            acceleration = acceleration + np.array([*rotate_by_matrix(to_body, fall), *[0.0] * (3 + n)])
-            balance = [a + b for a, b in zip(balance, self._weight(fall, position, quaternion, y), strict=True)]
+        balance = [a + b for a, b in zip(balance, weight_balance, strict=True)]
         turning = self._wheel_slope(wheel_torque, push.torque)
         rest = stretch, *turning, *(-part for part in wheel_torque), *balance
         pose = (*rotate_by_matrix(quaternion, twist[:3]), *quaternion_rate(quaternion, omega), *rates)
         return np.array([*pose, *acceleration.tolist(), *rest])
 
-    def _weight(self, fall: Three, position: list[float], quaternion: list[float], y: Vector) -> list[float]:
-        """Power, force and moment about the inertial origin of an acceleration of the whole robot."""
-        com = pin.centerOfMass(self._model, self._data, self._q, np.array(y[self.velocity])).tolist()
-        velocity = rotate_by_matrix(quaternion, self._data.vcom[0].tolist())
-        place = [a + b for a, b in zip(position, rotate_by_matrix(quaternion, com), strict=True)]
-        force = [self._mass * a for a in fall]
-        return [sum(a * b for a, b in zip(force, velocity, strict=True)), *force, *cross(place, force)]
+    def _weight(self, t: float, y: Vector) -> tuple[tuple[Any, ...], Vector]:
+        """What gravity does: the wrench on every joint's body in its frame, and its power, force and moment (7)."""
+        balance = np.zeros(7)
+        if self._orbit is None:
+            return (), balance
+        pin.forwardKinematics(self._model, self._data, self._q, y[self.velocity])
+        base, bodies = pin.Quaternion(y[3:7]).matrix(), range(1, self._model.njoints)
+        places = [self._data.oMi[body] for body in bodies]
+        turns = base @ np.array([place.rotation for place in places])
+        levers = np.einsum("kij,kj->ki", turns, self._levers)
+        centres = y[:3] + np.array([place.translation for place in places]) @ base.T + levers
+        fall = np.array([self._orbit.acceleration(t, (x, y, z)) for x, y, z in centres.tolist()])
+        force = self._masses[:, None] * fall
+        torque = self._orbit.gradient_torque(t, centres, turns, self._inertias)
+        own_force = np.einsum("kji,kj->ki", turns, force)
+        own = np.hstack([own_force, crosses(self._levers, own_force) + torque])
+        twists = np.array([self._data.v[body].vector for body in bodies])
+        balance[0], balance[1:4] = np.sum(own * twists), force.sum(axis=0)
+        balance[4:] = np.sum(crosses(centres, force) + np.einsum("kij,kj->ki", turns, torque), axis=0)
+        wrenches = pin.StdVec_Force()
+        wrenches.append(pin.Force.Zero())
+        for wrench in own:
+            wrenches.append(pin.Force(wrench))
+        return (wrenches,), balance
 
     def _efforts(
         self, joints: list[float], rates: list[float], bristle: float, push: Push

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from math import cos, expm1, log1p, sin, sqrt
 
+import numpy as np
+
 from space_robot_description.rotations import Three
+from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.grasp.spec import OrbitSpec
 
 
@@ -28,10 +31,39 @@ class Orbit:
 
     def acceleration(self, t: float, d: Three) -> Three:
         """Return the acceleration [m/s2] at a time [s] and a place d [m], inertial axes."""
-        r = self._radius
-        place = (r * cos(self._rate * t), r * sin(self._rate * t), 0.0)
+        r, place = self._radius, self._place(t)
         q = sum(a * (a + 2.0 * b) for a, b in zip(d, place, strict=True)) / (r * r)
         less = expm1(-1.5 * log1p(q))
         n2 = self._rate * self._rate
         x, y, z = (-n2 * (a * (1.0 + less) + b * less) for a, b in zip(d, place, strict=True))
         return x, y, z
+
+    def gradient_torque(self, t: float, d: Vector, turns: Vector, inertia: Vector) -> Vector:
+        """Return the torques (k, 3) 3 mu/r^3 u x I u [N m] on bodies about their centres of mass, in their axes.
+
+        Gravity is weaker at a body's far side: u is the direction from the centre of attraction, r the distance.
+
+        Args:
+            t: [s].
+            d: (k, 3) their centres of mass [m].
+            turns: (k, 3, 3) from their axes to the inertial ones.
+            inertia: (k, 3, 3) about the centres, in their axes [kg m2].
+
+        Reference: Wertz (ed.), "Spacecraft Attitude Determination and Control", 1978, (17-30).
+        """
+        away = d + np.array(self._place(t))
+        r2 = np.sum(away * away, axis=1)
+        u = np.einsum("kji,kj->ki", turns, away / np.sqrt(r2)[:, None])
+        strength = 3.0 * self._rate**2 * (self._radius**2 / r2) ** 1.5
+        torques: Vector = strength[:, None] * crosses(u, np.einsum("kij,kj->ki", inertia, u))
+        return torques
+
+    def _place(self, t: float) -> Three:
+        """Where the virtual point is [m]."""
+        return self._radius * cos(self._rate * t), self._radius * sin(self._rate * t), 0.0
+
+
+def crosses(a: Vector, b: Vector) -> Vector:
+    """(k, 3) cross products of rows; np.cross takes five times as long for so few."""
+    turned: Vector = a[:, [1, 2, 0]] * b[:, [2, 0, 1]] - a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
+    return turned

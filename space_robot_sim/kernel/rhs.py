@@ -44,21 +44,25 @@ class Drive(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Memory the kernel works in, made once; ``slope`` holds dy/dt at the end of the period just integrated."""
+    """Memory the kernel works in, made once.
+
+    ``slope`` holds dy/dt at the end of the period just integrated, ``error`` (1,) the estimated errors of all steps so
+    far, summed [m or rad].
+    """
 
     stages: npt.NDArray[np.float64]
     trial: npt.NDArray[np.float64]
     slope: npt.NDArray[np.float64]
     bodies: npt.NDArray[np.float64]
     effort: npt.NDArray[np.float64]
+    error: npt.NDArray[np.float64]
 
 
 def scratch(joints: int) -> Scratch:
     """Memory for a robot with that many joints."""
     size = 13 + 2 * joints + QUADRATURES
-    return Scratch(
-        np.zeros((STAGES, size)), np.zeros(size), np.zeros(size), np.zeros((1 + joints, WORKSPACE)), np.zeros(joints)
-    )
+    bodies, effort = np.zeros((1 + joints, WORKSPACE)), np.zeros(joints)
+    return Scratch(np.zeros((STAGES, size)), np.zeros(size), np.zeros(size), bodies, effort, np.zeros(1))
 
 
 @inner

@@ -14,7 +14,7 @@ from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.rhs import BEGIN, END, FIRST, Drive, Scratch, slope
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
 
-DOP853, DOP853_ADAPTIVE, RK4 = 0, 1, 2
+DOP853, DOP853_ADAPTIVE, RK4, DOP853_CHECKED = 0, 1, 2, 3
 DONE, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2
 (STEP_BOUND,) = constants(20_000)
 
@@ -23,10 +23,11 @@ class Stepping(NamedTuple):
     """How to integrate.
 
     Attributes:
-        method: DOP853, DOP853_ADAPTIVE or RK4.
+        method: DOP853, DOP853_ADAPTIVE, RK4 or DOP853_CHECKED: fixed steps, and adaptive ones in place of each that
+            misses the tolerance.
         step: longest fixed step [s].
-        rtol: relative tolerance of one adaptive step.
-        atol: absolute tolerance of one adaptive step, in the units of each state.
+        rtol: relative tolerance of one step, adaptive or checked.
+        atol: absolute tolerance of one step, in the units of each state.
         next_step: (1,) the adaptive step to try next [s]; 0: the whole segment.
     """
 
@@ -46,12 +47,13 @@ def integrate(robot: RobotArrays, drive: Drive, count: int, how: Stepping, y: Ve
     status, budget = DONE, STEP_BOUND
     for k in range(count):
         if how.method == DOP853_ADAPTIVE:
-            budget = _adaptive(robot, drive, k, how, y, memory, budget)
-            if budget <= 0:
-                status = TOO_MANY_STEPS
-                break
+            begin, end = drive.segments[k, BEGIN], drive.segments[k, END]
+            budget = _adaptive(robot, drive, k, begin, end, how, y, memory, budget)
         else:
-            _fixed(robot, drive, k, how, y, memory)
+            budget = _fixed(robot, drive, k, how, y, memory, budget)
+        if budget <= 0:
+            status = TOO_MANY_STEPS
+            break
     slope(robot, drive, count - 1, drive.segments[count - 1, END], y, memory.slope, memory)
     total = 0.0
     for i in range(y.shape[0]):
@@ -60,7 +62,8 @@ def integrate(robot: RobotArrays, drive: Drive, count: int, how: Stepping, y: Ve
 
 
 @inner
-def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch) -> None:
+def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch, budget: int) -> int:
+    """Cross one segment in equal steps; returns what is left of the budget of adaptive ones."""
     begin, end = drive.segments[k, BEGIN], drive.segments[k, END]
     # The margin keeps round-off in the length of a segment from costing one more step.
     count = max(1, math.ceil((end - begin) / how.step - 1e-9))
@@ -71,8 +74,18 @@ def _fixed(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, m
             _rk4(robot, drive, k, t, h, y, memory)
         else:
             dop853_stages(robot, drive, k, t, h, y, memory, FIRST)
-            for i in range(y.shape[0]):
-                y[i] = memory.trial[i]
+            error, lost = _step_error(h, how, y, memory)
+            if how.method == DOP853 or not 1.0 < error < math.inf:
+                memory.error[0] += lost
+                # What is not finite is so after shorter steps, too, and shows at the end.
+                for i in range(y.shape[0]):
+                    y[i] = memory.trial[i]
+            else:
+                how.next_step[0] = h * step_factor(error, 1.0)
+                budget = _adaptive(robot, drive, k, t, t + h, how, y, memory, budget)
+                if budget <= 0:
+                    break
+    return budget
 
 
 @inner
@@ -101,9 +114,19 @@ def dop853_stages(
 
 
 @inner
-def _adaptive(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector, memory: Scratch, budget: int) -> int:
-    """Cross one segment under error control; returns what is left of the budget of steps, 0 where it ran out."""
-    t, end, first, most = drive.segments[k, BEGIN], drive.segments[k, END], 0, 5.0
+def _adaptive(
+    robot: RobotArrays,
+    drive: Drive,
+    k: int,
+    t: float,
+    end: float,
+    how: Stepping,
+    y: Vector,
+    memory: Scratch,
+    budget: int,
+) -> int:
+    """From t to the end within a segment under error control; returns what is left of the budget of steps, or 0."""
+    first, most = 0, 5.0
     wish = how.next_step[0] if how.next_step[0] > 0.0 else end - t
     while t < end:
         budget -= 1
@@ -111,10 +134,11 @@ def _adaptive(robot: RobotArrays, drive: Drive, k: int, how: Stepping, y: Vector
         if budget <= 0 or t + h == t:
             return 0
         dop853_stages(robot, drive, k, t, h, y, memory, first)
-        error = _step_error(h, how, y, memory)
+        error, lost = _step_error(h, how, y, memory)
         factor = step_factor(error, most)
         if error <= 1.0:
             t = end if h == end - t else t + h
+            memory.error[0] += lost
             for i in range(y.shape[0]):
                 y[i] = memory.trial[i]
             # A step cut short by the end of the segment says little about how long the next may be.
@@ -135,20 +159,31 @@ def step_factor(error: float, most: float) -> float:
 
 
 @inner
-def _step_error(h: float, how: Stepping, y: Vector, memory: Scratch) -> float:
-    """Error of the step relative to the tolerance (Hairer, Norsett, Wanner, sec. II.10, eq. 10.17)."""
-    sum_5, sum_3 = 0.0, 0.0
+def _step_error(h: float, how: Stepping, y: Vector, memory: Scratch) -> tuple[float, float]:
+    """Error of the step relative to the tolerance (Hairer, Norsett, Wanner, sec. II.10, eq. 10.17).
+
+    Beside it the largest error of the configuration [m or rad], each component by the same formula.
+    """
+    # Row by row, in the place of two stages that neither estimate nor the next try needs: rows are contiguous.
+    errors_5, errors_3 = memory.stages[1], memory.stages[2]
     for i in range(y.shape[0]):
-        error_5, error_3 = 0.0, 0.0
-        for s in range(STAGES):
-            error_5 += ERROR_5[s] * memory.stages[s, i]
-            error_3 += ERROR_3[s] * memory.stages[s, i]
+        errors_5[i], errors_3[i] = ERROR_5[0] * memory.stages[0, i], ERROR_3[0] * memory.stages[0, i]
+    for s in range(5, STAGES):
+        for i in range(y.shape[0]):
+            errors_5[i] += ERROR_5[s] * memory.stages[s, i]
+            errors_3[i] += ERROR_3[s] * memory.stages[s, i]
+    sum_5, sum_3, largest = 0.0, 0.0, 0.0
+    for i in range(y.shape[0]):
         scale = how.atol + how.rtol * max(abs(y[i]), abs(memory.trial[i]))
-        sum_5 += (error_5 / scale) ** 2
-        sum_3 += (error_3 / scale) ** 2
+        sum_5 += (errors_5[i] / scale) ** 2
+        sum_3 += (errors_3[i] / scale) ** 2
+    for i in range(7 + memory.effort.shape[0]):
+        if errors_5[i] != 0.0:
+            square = errors_5[i] * errors_5[i]
+            largest = max(largest, abs(h) * square / math.sqrt(square + 0.01 * (errors_3[i] * errors_3[i])))
     if sum_5 == 0.0 and sum_3 == 0.0:
-        return 0.0
-    return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.shape[0])
+        return 0.0, largest
+    return abs(h) * sum_5 / math.sqrt((sum_5 + 0.01 * sum_3) * y.shape[0]), largest
 
 
 @inner

@@ -187,7 +187,7 @@ class Signals:
             return self.arrays.controller[ESTIMATE][:, row * len(PARAMETERS) + column]
         first = self.composition.truth if kind == "truth" else self.composition.nominal
         values = np.full(self.arrays.time.size, inertial_parameters(first)[row, column])
-        for stamp, robot in self.composition.changes if kind == "truth" else ():
+        for stamp, robot, _ in self.composition.changes if kind == "truth" else ():
             values[self.arrays.stamp >= stamp] = inertial_parameters(robot)[row, column]
         return values
 

@@ -99,6 +99,7 @@ def test_telemetry_shows_the_truth() -> None:
         "joint_limit": 7,
         "command_stamp": 1,
         "force_ignored": 1,
+        "integration_error": 1,
     }
     assert {sample.telemetry.labels for sample in samples} == {telemetry.labels}
     model = arm_model()

@@ -85,6 +85,7 @@ def _with_totals(plant: Mapping[str, Matrix], time: Vector, axes: tuple[Axis, ..
         quaternion_residual=_largest(plant["quaternion_residual"]),
         effort_integral=float(torque @ period),
         joint_limit=_largest(plant["joint_limit"]),
+        integration_error=_largest(plant["integration_error"]) if "integration_error" in plant else None,
     )
 
 

@@ -43,6 +43,9 @@ class Rls(Strict):
         description="acceleration of a free-floating base: from the estimate's zero-force rows, the accelerometer, or "
         "differenced velocities (a free-flying base: always these)",
     )
+    bandwidth: PositiveFloat = Field(
+        default=0.3, description="of update rls_filtered: of the filter of both sides [rad/s]"
+    )
     reset: Reset | None = Field(default_factory=Reset, description="null: never")
 
 
@@ -60,7 +63,7 @@ class AdaptiveGains(Strict):
 
     model_config = ConfigDict(validate_by_name=False, validate_by_alias=True)
 
-    update: Literal["none", "rls", "lyapunov", "composite"] = Field(
+    update: Literal["none", "rls", "rls_filtered", "lyapunov", "composite"] = Field(
         default="rls", description="how the inertial parameters are corrected"
     )
     lambda_: Lambda = Field(
@@ -81,7 +84,7 @@ class AdaptiveGains(Strict):
         default=False, description="reference and state half a period ahead, against the delay of held commands"
     )
     gyroscopic: bool = Field(default=True, description="include omega x h of the wheels' momentum in command and RLS")
-    rls: Rls = Field(default_factory=Rls, description="of update rls and composite")
+    rls: Rls = Field(default_factory=Rls, description="of update rls, rls_filtered and composite")
     tracking: Tracking = Field(default_factory=Tracking, description="of update lyapunov and composite")
     consistency: Literal["none", "project", "natural"] = Field(
         default="none",

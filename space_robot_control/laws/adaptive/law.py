@@ -39,7 +39,8 @@ class Adaptive(Law):
     eliminated part of sigma, sigma_p = -(M_pr sigma) / m_hat; no accelerometer and no algebraic loop is needed.
     Free-flying robots: translation is controlled like the rest.
 
-    Updates (``update``): ``none``; ``rls`` (39)-(41); ``lyapunov`` pi_hat' = Gamma Y^T [sigma_p, sigma] (44);
+    Updates (``update``): ``none``; ``rls`` (39)-(41); ``rls_filtered``, the same on both sides of the regression behind
+    a filter; ``lyapunov`` pi_hat' = Gamma Y^T [sigma_p, sigma] (44);
     ``composite``: RLS and (44) with Gamma = gamma G, G the covariance.
 
     The equations on one screen: ``reference.py`` and ``reference_dynamics.py``.

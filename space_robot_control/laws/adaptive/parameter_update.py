@@ -9,6 +9,7 @@ import numpy as np
 from space_robot_control.command_limits import CommandLimits
 from space_robot_control.laws.adaptive.consistency import natural_step, project
 from space_robot_control.laws.adaptive.cycle import Cycle
+from space_robot_control.laws.adaptive.filtered_regression import FilteredRegression
 from space_robot_control.laws.adaptive.gains import AdaptiveGains
 from space_robot_control.laws.adaptive.kernel.consistency import assess
 from space_robot_control.laws.adaptive.kernel.least_squares import transpose_times
@@ -48,10 +49,12 @@ class ParameterUpdate:
         self._innovation = np.zeros(self._noise.size)
         self._learned = False
         self._rls: RecursiveLeastSquares | None = None
-        if gains.update in ("rls", "composite"):
+        if gains.update in ("rls", "rls_filtered", "composite"):
             when = rls.reset
             limits = (inf, 1) if when is None else (when.threshold, when.samples)
             self._rls = RecursiveLeastSquares(rls.prior_spread * size + rls.prior_floor, *limits)
+        filtered = gains.update == "rls_filtered"
+        self._filter = FilteredRegression(rls.bandwidth * cycle.rule.period) if filtered else None
         self._tracks = gains.update in ("lyapunov", "composite")
         self._step = cycle.rule.period * gains.tracking.gain
         self._gain = self._step * (size + gains.tracking.floor) ** 2
@@ -78,6 +81,8 @@ class ParameterUpdate:
             self._innovation = np.zeros(self._noise.size)
             return
         Y, tau = self._cycle.regression(self.estimate, start, x, dx, state)
+        if self._filter is not None:
+            Y, tau = self._filter.update(Y, tau)
         estimate, innovation = self._rls.correct(self.estimate, Y, tau)
         self._innovation, self._learned = innovation * self._noise, True
         self._accept(estimate)

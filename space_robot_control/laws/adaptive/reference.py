@@ -25,12 +25,14 @@ class Adaptive:
         T: control period [s].
         Lambda: (m,) of the actuated coordinates.
         kappa: K_D = kappa M(pi_0, x_0), reduced by a free translation.
-        update: composite: RLS, and (44) with Gamma = gamma times the covariance.
+        update: composite: RLS, and (44) with Gamma = gamma times the covariance; rls_filtered: RLS on both sides of the
+            regression behind the filter b / (s + b), which Slotine and Li use (1991, sec. 8.7.1).
         lambda_on: velocity: sigma = Lambda e' + e.
         free_floating: no force acts on the base; its translation follows from the rows of zero force.
         translation: acceleration of a free base in RLS; on a free-flying one always velocity.
         noise: (m,) standard deviation of the rows of RLS, E = diag(noise^2).
         prior: standard deviation of pi in RLS: prior[0] |pi| + prior[1].
+        b: bandwidth of the filter [rad/s].
         gamma: of Gamma = gamma diag((|pi| + floor)^2).
         floor: see gamma.
     """
@@ -42,12 +44,13 @@ class Adaptive:
         *,
         Lambda: Vector,
         kappa: float = 1.0,
-        update: Literal["none", "rls", "lyapunov", "composite"] = "rls",
+        update: Literal["none", "rls", "rls_filtered", "lyapunov", "composite"] = "rls",
         lambda_on: Literal["position", "velocity"] = "position",
         free_floating: bool = True,
         translation: Literal["model", "accelerometer", "velocity"] = "model",
         noise: Vector | float = 1e-3,
         prior: tuple[float, float] = (0.3, 1e-3),
+        b: float = 0.3,
         gamma: float = 1000.0,
         floor: float = 1e-3,
     ) -> None:
@@ -58,6 +61,8 @@ class Adaptive:
         self.E, self.gamma = np.diag(np.full(Lambda.size, noise) ** 2), gamma
         self.G = np.diag((prior[0] * np.abs(self.pi_hat) + prior[1]) ** 2)
         self.Gamma = gamma * np.diag((np.abs(self.pi_hat) + floor) ** 2)
+        self.a = np.exp(-b * T) if update == "rls_filtered" else 0.0
+        self.Y_f, self.tau_f = np.zeros((Lambda.size, self.pi_hat.size)), np.zeros(Lambda.size)
         self.K_D: Vector | None = None
         self.last: tuple[Vector, Vector, Vector] | None = None
 
@@ -68,7 +73,7 @@ class Adaptive:
         first = self.first
         x, dx, _ = euler(q, v, np.zeros_like(v))
         x_d, dx_d, ddx_d = euler(q_d, v_d, a_d)
-        if self.last is not None and self.update_by in ("rls", "composite"):
+        if self.last is not None and self.update_by in ("rls", "rls_filtered", "composite"):
             self.rls(x, dx, effort, pin.Quaternion(q[3:7]).matrix() @ acceleration)
         at = Dynamics(self.model, x, dx)
         if self.K_D is None:
@@ -106,6 +111,8 @@ class Adaptive:
             ddx[:3] = 0.0
             ddx[:3] = -(at.Y(at.dx, ddx)[:3] @ self.pi_hat) / at.mass(self.pi_hat)
         Y, tau = at.Y(at.dx, ddx)[first:], (at.G.T @ np.concatenate([u[:6], effort]))[first:]
+        Y = self.Y_f = self.a * self.Y_f + (1.0 - self.a) * Y
+        tau = self.tau_f = self.a * self.tau_f + (1.0 - self.a) * tau
         K = self.G @ Y.T @ np.linalg.inv(Y @ self.G @ Y.T + self.E)  # (40)
         self.pi_hat = self.pi_hat + K @ (tau - Y @ self.pi_hat)  # (39)
         I_KY = np.eye(self.pi_hat.size) - K @ Y

@@ -81,8 +81,8 @@ class ComputedTorque(Law):
         errors = tracking_errors(state, reference)
         acceleration = errors.feedforward + self._kd * errors.velocity + self._kp * errors.configuration
         u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, acceleration)
-        if self.gains.gyroscopic and self.wheels.present:
-            u[3:6] += self.wheels.torque(state.v[3:6])
+        if self.gains.gyroscopic:
+            self.wheels.add_torque(u, state.v[3:6])
         return u, {**error_blocks(errors), "acceleration_command": acceleration}
 
 

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, PositiveFloat
 
-from space_robot_control.laws.base import Blocks, Law
-from space_robot_control.nominal_model import NominalModel
+from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.rates_to_zero import RatesToZero
 from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
-from space_robot_description.fields import DYNAMIC
-from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
-class DampedHold(Law):
+class DampedHold(RatesToZero):
     """u = -D v, D = diag(d) w / (1 + w T lambda): takes energy out from any state, follows nothing.
 
     d_i = 1 / (H^-1)_ii is the inertia that degree of freedom i moves while the others are free, lambda >= 1 the largest
@@ -31,24 +28,11 @@ class DampedHold(Law):
     Deviations from the paper: there is none; this is the law a robot falls back to.
     """
 
-    class Gains(Law.Gains):
-        """Gains of the damped hold."""
-
-        rate: PositiveFloat = Field(
-            default=0.5, description="w, how fast rates decay in continuous time [1/s]", json_schema_extra=DYNAMIC
-        )
-
     name = "damped_hold"
     telemetry_fields = ERROR_FIELDS | {
         "damping": "diagonal of D, zero where nothing acts [N s/m, N m s/rad]",
         "power": "v^T u, not positive [W]",
     }
-    gains: Gains
-
-    def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
-        super().__init__(robot, control_period, gains)
-        self._model = NominalModel(robot)
-        self._first = 3 if robot.base_mode == "free_floating" else 0
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class."""

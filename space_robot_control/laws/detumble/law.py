@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from pydantic import Field, PositiveFloat
 
 from space_robot_control.command_limits import CommandLimits
-from space_robot_control.laws.base import Blocks, Law
-from space_robot_control.nominal_model import NominalModel
+from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.rates_to_zero import RatesToZero
 from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
-from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
-class Detumble(Law):
+class Detumble(RatesToZero):
     """u = -s H (w' v + w'^2 / 4 [0, q - q0]), w' = w / (1 + w T): rates to zero, the arm stays where it was.
 
     H is the nominal inertia at the state, with the translation eliminated where no force acts on the base; q0 are the
@@ -31,24 +29,15 @@ class Detumble(Law):
     Deviations from the paper: there is none; this is the law a robot falls back to.
     """
 
-    class Gains(Law.Gains):
-        """Gains of detumble."""
-
-        rate: PositiveFloat = Field(
-            default=0.5, description="w, how fast rates decay in continuous time [1/s]", json_schema_extra=DYNAMIC
-        )
-
     name = "detumble"
     telemetry_fields = ERROR_FIELDS | {
         "joint_offset": "q - q0 [rad or m]",
         "scale": "s, less than 1 where the actuators cannot give the command [-]",
     }
-    gains: Gains
 
-    def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
+    def __init__(self, robot: Robot, control_period: float, gains: RatesToZero.Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
-        self._model, self._limits = NominalModel(robot), CommandLimits(robot)
-        self._first = 3 if robot.base_mode == "free_floating" else 0
+        self._limits = CommandLimits(robot)
         self._shape: Vector | None = None
 
     def reset(self) -> None:

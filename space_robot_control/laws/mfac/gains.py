@@ -50,7 +50,7 @@ class MfacGains(Law.Gains):
     outputs: tuple[str, ...] = Field(
         default=(), description="channels: x, y, z, roll, pitch, yaw, joint names; default: all actuated ones"
     )
-    held: tuple[str, ...] = Field(default=(), description="joints taken as rigid")
+    held: tuple[str, ...] = Field(default=(), description="joints taken as rigid, where the robot file has them")
     form: Literal["rate_augmented", "position"] = Field(
         default="rate_augmented", description="output z = y + lead y', or y itself"
     )

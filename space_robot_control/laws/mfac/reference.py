@@ -30,6 +30,7 @@ class Mfac:
     limit: Vector  # (m,) of the inputs, for units full_scale
     c: Vector | None = None  # (m,) lead [s]; None: the output is e
     held: Sequence[int] = ()  # indices of joints taken as rigid
+    home: Sequence[float] = ()  # where they stand [rad or m]
     lambda_: float = 0.0  # lambda itself, added
     orders: tuple[int, int] = (2, 1)  # Ly, Lu
     sigma: float = 0.2  # step of the estimator; 0: Phi stays Phi(1)
@@ -44,7 +45,7 @@ class Mfac:
         """Phi(1) of y'' = B u, (19), in the units of the law: past increments of y, then of u."""
         self.m, (L_y, L_u), T = len(self.channels), self.orders, self.T
         E, zero = np.eye(self.m), np.zeros((self.m, self.m))
-        B = self.scale * response(self.model, q, self.channels, self.held)
+        B = self.scale * response(self.model, q, self.channels, self.held, self.home)
         if self.c is not None:  # z(k+1) - z(k) = z(k) - z(k-1) + T (c + T/2) B du
             phi, past, inputs = T * np.diag(self.c + T / 2) @ B, [E, zero], 1
         else:  # y(k+1) - y(k) = 2 (y(k) - y(k-1)) - (y(k-1) - y(k-2)) + T^2/2 B (du(k) + du(k-1)); one input: T^2 B

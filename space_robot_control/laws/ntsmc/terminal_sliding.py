@@ -168,8 +168,8 @@ class TerminalSliding(Law):
         return out
 
     def _add_wheels(self, u: Vector, state: RobotState) -> None:
-        if self.gains.gyroscopic and self.wheels.present:
-            u[3:6] += self.wheels.torque(state.v[3:6])
+        if self.gains.gyroscopic:
+            self.wheels.add_torque(u, state.v[3:6])
 
     def _within_limits(self, state: RobotState, u: Vector) -> Vector:
         """The command within the nominal limits; C0 is the u of x'' = 0."""

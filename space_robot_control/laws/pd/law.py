@@ -50,7 +50,7 @@ class ProportionalDerivative(Law):
         outputs: tuple[str, ...] = Field(
             default=(), description="channels: x, y, z, roll, pitch, yaw, joint names; default all"
         )
-        held: tuple[str, ...] = Field(default=(), description="joints taken as rigid")
+        held: tuple[str, ...] = Field(default=(), description="joints taken as rigid, where the robot file has them")
         filter: FilterSpec | None = Field(default=None, description="rates from positions, and a gate; default: none")
 
     name = "pd"

@@ -30,8 +30,15 @@ def channel_errors(
     return e[chosen], (desired - v)[chosen], desired[chosen]
 
 
-def response(model: Any, q: Vector, channels: Sequence[int], held: Sequence[int] = ()) -> Vector:
-    """Return B (m, m) of e'' = -B u at rest: rows and columns of the channels in M^-1, M without the held joints."""
+def response(
+    model: Any, q: Vector, channels: Sequence[int], held: Sequence[int] = (), home: Sequence[float] = ()
+) -> Vector:
+    """Return B (m, m) of e'' = -B u at rest: rows and columns of the channels in M^-1, M without the held joints.
+
+    These stand at ``home``, whatever is read of them.
+    """
+    q = np.array(q)
+    q[[joint + 1 for joint in held]] = home
     M, _ = mass_and_bias(model, q, np.zeros(model.nv))
     free = [i for i in range(model.nv) if i not in held]
     inverse = np.zeros((model.nv, model.nv))
@@ -47,20 +54,29 @@ class Pd:
         model: the nominal ``pin.Model``, free-flyer root, no gravity.
         channels: indices into v, one input and one output each.
         held: indices of joints taken as rigid.
+        home: where they stand [rad or m].
         omega_n: (m,) natural frequencies [rad/s].
         zeta: damping ratio.
     """
 
     def __init__(
-        self, model: Any, channels: Sequence[int], *, omega_n: Vector, zeta: float, held: Sequence[int] = ()
+        self,
+        model: Any,
+        channels: Sequence[int],
+        *,
+        omega_n: Vector,
+        zeta: float,
+        held: Sequence[int] = (),
+        home: Sequence[float] = (),
     ) -> None:
-        self.model, self.channels, self.held, self.omega_n, self.zeta = model, list(channels), held, omega_n, zeta
+        self.model, self.channels, self.omega_n, self.zeta = model, list(channels), omega_n, zeta
+        self.held, self.home = held, home
         self.B: Vector | None = None
 
     def update(self, q: Vector, v: Vector, q_d: Vector, v_d: Vector) -> Vector:
         """Return u (6+n,), zero where there is no channel."""
         if self.B is None:
-            self.B = response(self.model, q, self.channels, self.held)
+            self.B = response(self.model, q, self.channels, self.held, self.home)
         e, e_dot, _ = channel_errors(q, v, q_d, v_d, self.channels)
         K_p, K_d = np.diag(self.omega_n**2), np.diag(2.0 * self.zeta * self.omega_n)
         u = np.zeros(self.model.nv)

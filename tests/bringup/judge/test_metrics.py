@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -89,6 +90,14 @@ def test_a_run_without_ticks_cannot_be_judged() -> None:
     """Nothing run is an error, not a success."""
     with pytest.raises(NonFiniteError):
         measure([], ["hinge"], base_translation=False)
+
+
+@pytest.mark.parametrize(("error", "passed"), [(None, None), (1e-9, True), (2e-3, False)])
+def test_the_verdict_says_the_error_of_the_integration(error: float | None, passed: bool | None) -> None:
+    """It fails a trajectory that is off although momentum is kept; a log that does not say has no such check."""
+    metrics = replace(step_response(ticks=30), integration_error=error)
+    found = [check.passed for check in judge(metrics, {}, "completed") if check.name == "integration_error"]
+    assert found == ([] if passed is None else [passed])
 
 
 def test_the_verdict_fails_what_is_missing_or_out_of_bounds() -> None:

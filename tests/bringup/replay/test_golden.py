@@ -23,6 +23,7 @@ NEARLY = Tolerance(rtol=5e-9, atol=1e-12)
 BREAK = 1.0 + 1e-6
 # Gains that do nothing in these runs, and why.
 IDLE = {
+    "rls.bandwidth": "of update rls_filtered alone",
     "rls.reset.threshold": "no estimate is reset",
     "tracking.gain": "the weight does not follow a moving parameter",
     "tracking.floor": "likewise",

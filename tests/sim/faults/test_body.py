@@ -23,7 +23,7 @@ def composed(*faults: dict[str, Any], **plant: Any) -> Composition:
 
 def masses(composition: Composition) -> dict[int, float]:
     """Mass of the true robot from a tick on [kg]."""
-    robots = {0: composition.truth, **dict(composition.changes)}
+    robots = {0: composition.truth, **{change.stamp: change.robot for change in composition.changes}}
     return {stamp // T: sum(inertia.mass for inertia in robot.model.inertias) for stamp, robot in robots.items()}
 
 
@@ -50,7 +50,7 @@ def test_what_is_lost_was_held_before() -> None:
 def test_a_shift_moves_the_centre_of_mass_and_no_mass() -> None:
     """Total mass and the masses of bodies stay, the hand's centre of mass is another."""
     composition = composed({"kind": "payload_shifted", "offset": [0.1, 0, 0], "at": 1.0}, payload=PAYLOAD)
-    ((stamp, robot),) = [change for change in composition.changes if change[0] == 4 * T]
+    ((stamp, robot, _),) = [change for change in composition.changes if change[0] == 4 * T]
     before, after = composition.truth.model.inertias, robot.model.inertias
     assert [one.mass for one in after] == pytest.approx([one.mass for one in before])
     moved = [not np.allclose(a.lever, b.lever) for a, b in zip(before, after, strict=True)]
@@ -61,7 +61,7 @@ def test_a_shift_moves_the_centre_of_mass_and_no_mass() -> None:
 def test_inertia_changes_by_its_factor() -> None:
     """Mass and inertia of the body are scaled, others stay; energy and momentum are balanced anew from there on."""
     composition = composed({"kind": "inertia_change", "body": "base_link", "factor": 0.8, "at": 2.0})
-    ((_, robot),) = [change for change in composition.changes if change[0] == 8 * T]
+    ((_, robot, _),) = [change for change in composition.changes if change[0] == 8 * T]
     before, after = composition.truth.model.inertias[1], robot.model.inertias[1]
     assert after.mass == pytest.approx(0.8 * before.mass)
     np.testing.assert_allclose(after.inertia, 0.8 * before.inertia)

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations_with_replacement
 from math import prod
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from space_robot_msgs_py.errors import IntegrationError, SpecError
-from space_robot_msgs_py.interfaces import Command
+from space_robot_msgs_py.interfaces import Command, PlantSample, Vector
 from space_robot_sim.kernel.steps import STEP_BOUND
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, A, B, C
 from space_robot_sim.plant import InitialState, SimulatedRobot
@@ -111,6 +112,52 @@ def test_the_fallback_equals_the_kernel(kind: str) -> None:
         for kernel in ("auto", "pinocchio")
     )
     np.testing.assert_allclose(first, second, rtol=0.0, atol=1e-12)
+
+
+def _coasted(rate: float, **spec: Any) -> Vector:
+    """(14,) configuration after 2 s of an arm that coasts with rates of that size."""
+    return _coast(rate, **spec).state.q
+
+
+def _coast(rate: float, **spec: Any) -> PlantSample:
+    q, v = random_state(np.random.default_rng(0), 7, 0.05)
+    moving = np.concatenate([v[:6], rate * np.sin(np.arange(7.0))])
+    plant = SimulatedRobot(
+        robot_of(arm_model(), floating=True),
+        control_period=SECOND // 10,
+        initial=InitialState(q, moving),
+        integrator=IntegratorSpec.model_validate(spec),
+    )
+    return [plant.reset(), *(plant.step(None) for _ in range(20))][-1]
+
+
+@pytest.mark.parametrize("kernel", ["numba", "pinocchio"])
+def test_fast_motion_is_integrated_in_shorter_steps(kernel: str) -> None:
+    """Where 50 ms are 3e-4 off at several rad/s, `auto` is within 1e-6: the error of the steps is bounded."""
+    exact = _coasted(2.0, kind="dop853", step=5e-4)
+    assert np.abs(_coasted(2.0, kind="dop853", kernel=kernel) - exact).max() > 1e-4
+    assert np.abs(_coasted(2.0, kernel=kernel) - exact).max() < 1e-6
+
+
+@pytest.mark.parametrize("kernel", ["numba", "pinocchio"])
+@pytest.mark.parametrize("rate", [1.0, 1.5, 2.0])
+def test_the_integration_error_is_estimated(rate: float, kernel: str) -> None:
+    """The sum of the estimates is at least a tenth of the true error of fixed steps, and at most 100 times that."""
+    exact, found = _coasted(rate, kind="dop853", step=5e-4), _coast(rate, kind="dop853", kernel=kernel)
+    error, estimate = np.abs(found.state.q - exact).max(), found.telemetry["integration_error"][0]
+    assert 0.1 * error < estimate < 100.0 * error
+
+
+def test_steps_without_an_estimate_show_none() -> None:
+    """Runge and Kutta's fourth order has no embedded estimate, so there is no block that says 0."""
+    assert "integration_error" not in _coast(0.2, kind="rk4").telemetry.labels
+
+
+@pytest.mark.parametrize("kernel", ["numba", "pinocchio"])
+def test_slow_motion_has_the_bits_of_fixed_steps(kernel: str) -> None:
+    """No step misses the tolerance: `auto` is `dop853` to the bit."""
+    slow = _coasted(0.2, kernel=kernel)
+    assert slow.tobytes() == _coasted(0.2, kind="dop853", kernel=kernel).tobytes()
 
 
 def test_symmetric_top() -> None:

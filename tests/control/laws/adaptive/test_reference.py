@@ -27,7 +27,7 @@ ROBOTS = {
     "servicer": robot_of(load_robot("servicer").model),
     "arm": robot_of(random_model(np.random.default_rng(4), 5, serial=True), floating=True),
 }
-UPDATES = ("none", "rls", "lyapunov", "composite")
+UPDATES = ("none", "rls", "rls_filtered", "lyapunov", "composite")
 
 
 def pair(robot: Robot, gains: dict[str, Any]) -> tuple[Adaptive, reference.Adaptive]:
@@ -48,6 +48,7 @@ def pair(robot: Robot, gains: dict[str, Any]) -> tuple[Adaptive, reference.Adapt
         translation=g.rls.translation,
         noise=noise[first:],
         prior=(g.rls.prior_spread, g.rls.prior_floor),
+        b=g.rls.bandwidth,
         gamma=g.tracking.gain,
         floor=g.tracking.floor,
     )
@@ -67,6 +68,7 @@ def some_gains(robot: Robot, update: str, rng: np.random.Generator) -> dict[str,
             "force_noise": rng.uniform(100.0, 1000.0),
             "prior_spread": rng.uniform(0.01, 0.1),
             "prior_floor": rng.uniform(1e-4, 1e-2),
+            "bandwidth": rng.uniform(0.1, 2.0),
             "translation": ["model", "accelerometer", "velocity"][rng.integers(3)],
         },
         "tracking": {"gain": 10.0 ** rng.uniform(-6.0, -4.0), "floor": rng.uniform(1e-4, 1e-2)},
@@ -144,7 +146,9 @@ def test_adaptive_equals_its_reference_in_a_closed_loop(robot: str, update: str)
         nominal_body = nominal.model.inertias[body]
         heavier = pin.Inertia(1.2 * nominal_body.mass, nominal_body.lever, 1.2 * nominal_body.inertia)
         truth.model.inertias[body] = heavier
-    law, equations = pair(nominal, {"update": update, "rls": {"torque_noise": 0.1, "force_noise": 0.1}})
+    law, equations = pair(
+        nominal, {"update": update, "rls": {"torque_noise": 0.1, "force_noise": 0.1, "bandwidth": 2.0}}
+    )
     q = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *load_robot(robot).home])
     wave = {"amplitude_deg": 10.0, "frequency": 0.05}
     motion = {"kind": "harmonic", "roll": wave, "joints": {nominal.joint_names[1]: wave}, "soft_start": 2.0}

@@ -10,13 +10,9 @@ from space_robot_control.laws.damped_hold.reference import DampedHold as OnOneSc
 from space_robot_control.references import make_reference
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.interfaces import Command, Reference
-from space_robot_sim.plant import InitialState, SimulatedRobot
+from space_robot_msgs_py.interfaces import Command
+from tests.support.at_rest import IDS, ROBOTS, samples_of_a_tumble
 from tests.support.closed_loop import closed_loop, off, random_pair
-from tests.support.robots import random_model, robot_of
-
-ROBOTS = [load_robot("mini"), load_robot("servicer"), robot_of(random_model(np.random.default_rng(5), 6, serial=True))]
-IDS = ["mini", "servicer", "arm"]
 
 
 def law_of(robot: Robot, rate: float = 0.5, period: float = 0.1) -> DampedHold:
@@ -56,15 +52,8 @@ def test_its_power_is_never_positive(robot: Robot) -> None:
 @pytest.mark.parametrize("robot", ROBOTS[:2], ids=IDS[:2])
 def test_sampled_damping_brings_the_robot_to_rest(robot: Robot, rate: float) -> None:
     """With any gain and 1 s between commands kinetic energy falls in every period, and rates vanish."""
-    rng, period = np.random.default_rng(3), 1_000_000_000
-    q = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *robot.home])
-    v = np.concatenate([[0.0] * 3, rng.normal(size=3) * 0.005, rng.normal(size=robot.n) * 0.01])
-    plant = SimulatedRobot(robot, control_period=period, initial=InitialState(q, v))
-    law, sample, energies = law_of(robot, rate, 1.0), plant.reset(), []
-    for _ in range(400):
-        energies.append(sample.telemetry["energy"][0])
-        still = Reference(sample.state.stamp, q, np.zeros_like(v), np.zeros_like(v))
-        sample = plant.step(law.update(sample.state, still).command)
+    samples = list(samples_of_a_tumble(law_of(robot, rate, 1.0), robot, 0.005))
+    sample, energies = samples[-1], [one.telemetry["energy"][0] for one in samples[:-1]]
     assert np.all(np.diff(energies) < 1e-15)
     # What is left of a free-floating robot is the drift of its centre of mass, which no actuator of it can change.
     momentum, mass = sample.telemetry["momentum"][:3], sum(one.mass for one in robot.model.inertias)

@@ -8,15 +8,9 @@ import pytest
 from space_robot_control.command_limits import CommandLimits
 from space_robot_control.laws.detumble.law import Detumble
 from space_robot_control.laws.detumble.reference import Detumble as OnOneScreen
-from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.interfaces import Reference
-from space_robot_sim.plant import InitialState, SimulatedRobot
+from tests.support.at_rest import IDS, ROBOTS, samples_of_a_tumble
 from tests.support.closed_loop import off, random_pair
-from tests.support.robots import random_model, robot_of
-
-ROBOTS = [load_robot("mini"), load_robot("servicer"), robot_of(random_model(np.random.default_rng(5), 6, serial=True))]
-IDS = ["mini", "servicer", "arm"]
 
 
 def law_of(robot: Robot, rate: float = 0.5, period: float = 0.1) -> Detumble:
@@ -42,14 +36,7 @@ def test_it_equals_its_reference(robot: Robot) -> None:
 @pytest.mark.parametrize("robot", ROBOTS[:2], ids=IDS[:2])
 def test_a_tumbling_robot_comes_to_rest_in_its_shape(robot: Robot, rate: float) -> None:
     """With any gain and 1 s between commands rates vanish and the joints are back where they were."""
-    rng, period = np.random.default_rng(3), 1_000_000_000
-    q = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *robot.home])
-    v = np.concatenate([[0.0] * 3, rng.normal(size=3) * 0.01, rng.normal(size=robot.n) * 0.01])
-    plant = SimulatedRobot(robot, control_period=period, initial=InitialState(q, v))
-    law, sample = law_of(robot, rate, 1.0), plant.reset()
-    for _ in range(400):
-        still = Reference(sample.state.stamp, q, np.zeros_like(v), np.zeros_like(v))
-        sample = plant.step(law.update(sample.state, still).command)
+    *_, sample = samples_of_a_tumble(law_of(robot, rate, 1.0), robot, 0.01)
     np.testing.assert_allclose(sample.state.v[3:], 0.0, atol=1e-4)
     np.testing.assert_allclose(sample.state.joints, robot.home, atol=1e-3)
 

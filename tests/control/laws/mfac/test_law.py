@@ -88,6 +88,23 @@ def test_a_law_of_one_channel_moves_only_that_channel() -> None:
     assert output.telemetry["pseudo_gradient"].size == 1
 
 
+@pytest.mark.parametrize("law", ["mfac", "pd"])
+def test_a_wrong_reading_of_the_grasp_does_not_reach_the_response(law: str) -> None:
+    """A camera that is wrong at the start, by 0.2 m and 10 deg in the grasp, changes no bit of B."""
+    robot = load_robot("pccs")
+    grasp, q = list(robot.joint_names[-3:]), home(robot)
+    wrong = np.array(q)
+    wrong[-3:] += (0.2, 0.0, np.radians(10.0))
+    desired = make_reference({"kind": "hold", "attitude_deg": [0, 0, 3]}, robot, q).at(0)
+    found = []
+    for reading in (q, wrong):
+        controller = make_law(law, robot, 0.1, {"outputs": ["yaw"], "held": grasp})
+        output = controller.update(RobotState(0, reading, np.zeros(9), np.zeros(3), np.zeros(3)), desired)
+        shown = output.telemetry["initial_gain"] if law == "mfac" else output.command.u
+        found.append(shown.tobytes())
+    assert found[0] == found[1]
+
+
 def test_the_response_of_a_channel_is_that_of_the_bodies_behind_it() -> None:
     """With all joints held a force moves the whole mass, a torque the whole inertia; free joints give way."""
     robot = load_robot("servicer")

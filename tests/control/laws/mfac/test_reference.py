@@ -47,6 +47,7 @@ def pair(robot: Robot, gains: dict[str, Any]) -> tuple[ModelFree, Mfac]:
         limit=law.channels.limits(),
         c=chosen.lead if g.form == "rate_augmented" else None,
         held=[names.index(name) for name in g.held],
+        home=[float(robot.home[robot.joint_names.index(name)]) for name in g.held],
         lambda_=g.control_weight,
         orders=(g.output_order, g.input_order),
         sigma=g.estimator.sigma,

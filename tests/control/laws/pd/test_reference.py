@@ -26,7 +26,8 @@ def pair(robot: Robot, gains: dict[str, Any]) -> tuple[ProportionalDerivative, P
     names = ["x", "y", "z", "roll", "pitch", "yaw", *robot.joint_names]
     channels, held = ([names.index(name) for name in some] for some in (law.channels.names, law.gains.held))
     omega_n = np.array([gains["bandwidth"][name] for name in law.channels.names])
-    return law, Pd(robot.model, channels, held=held, omega_n=omega_n, zeta=law.gains.damping)
+    home = [float(robot.home[index - 6]) for index in held]
+    return law, Pd(robot.model, channels, held=held, home=home, omega_n=omega_n, zeta=law.gains.damping)
 
 
 def some_gains(robot: Robot, rng: np.random.Generator) -> dict[str, Any]:
