@@ -8,7 +8,6 @@ silently, and a recorder that starts late, or sleeps for a moment, must lose not
 from __future__ import annotations
 
 from dataclasses import dataclass
-from io import StringIO
 from typing import Any, Literal
 
 from space_robot_msgs_py.topics import Topic
@@ -49,16 +48,3 @@ def qos_of(topic: Topic) -> Qos:
         # Reliable, so that both kinds of subscriber match; volatile, because old times and diagnostics only confuse.
         return Qos(TOOL_DEPTH, "reliable", "volatile")
     return Qos(VALUE_DEPTH, "reliable", "transient_local")
-
-
-def yaml_text(data: object) -> str:
-    """YAML in block style, keys in the order given."""
-    from ruamel.yaml import YAML
-
-    yaml = YAML(typ="safe", pure=True)
-    yaml.default_flow_style = False
-    yaml.width = 1 << 20
-    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
-    stream = StringIO()
-    yaml.dump(data, stream)
-    return stream.getvalue()

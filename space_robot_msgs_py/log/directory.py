@@ -14,7 +14,8 @@ from space_robot_msgs_py.codec.schemas import type_hash
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.limits import METADATA_BYTES
 from space_robot_msgs_py.log.preamble import RECORDED, log_name
-from space_robot_msgs_py.qos import qos_of, yaml_text
+from space_robot_msgs_py.qos import qos_of
+from space_robot_msgs_py.yaml_text import yaml_text
 
 METADATA_FILE = "metadata.yaml"
 BAG_SUFFIX = "_0.mcap"

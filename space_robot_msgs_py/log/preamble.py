@@ -7,8 +7,9 @@ from mcap.records import Attachment, Channel, Header, Schema
 from space_robot_msgs_py.codec.schemas import schema_text, type_hash
 from space_robot_msgs_py.log.header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log.mcap.records import MAGIC, metadata_bytes, record_bytes
-from space_robot_msgs_py.qos import qos_of, yaml_text
+from space_robot_msgs_py.qos import qos_of
 from space_robot_msgs_py.topics import HOUSEKEEPING, SUPERVISOR_MODE, TABLE, Topic
+from space_robot_msgs_py.yaml_text import yaml_text
 
 LIBRARY = "space_robot"
 END_NAME = "end"
