@@ -228,6 +228,11 @@ class Tick:
         """[ns]."""
         return self.sample.state.stamp
 
+    @property
+    def diagnostics(self) -> tuple[DiagnosticEvent, ...]:
+        """What happens: to the robot, to its commands, and what a supervisor found, in this order."""
+        return (*self.sample.faults, *self.sample.events, *self.output.supervision)
+
 
 class Controller(Protocol):
     """Decides: a control law with its nominal model and gains."""
