@@ -19,6 +19,7 @@ __all__ = [
     "ControlOutput",
     "error_blocks",
     "Experiment",
+    "judge",
     "Law",
     "load_experiment",
     "load_robot",
@@ -45,6 +46,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+    from space_robot_bringup.public.judge import judge
     from space_robot_bringup.public.replay import replay
     from space_robot_bringup.public.result import Run
     from space_robot_bringup.public.run import run
@@ -76,6 +78,7 @@ else:
         "space_robot_studies.campaign.public": ("campaign",),
         "space_robot_studies.compare.public": ("compare",),
         "space_robot_bringup.experiment.experiment": ("Experiment", "load_experiment"),
+        "space_robot_bringup.public.judge": ("judge",),
         "space_robot_bringup.public.replay": ("replay",),
         "space_robot_bringup.public.result": ("Run",),
         "space_robot_bringup.public.run": ("run",),

@@ -23,8 +23,8 @@ __all__ = [
 if TYPE_CHECKING:
     from space_robot_bringup.compose.composition import Composition
     from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+    from space_robot_bringup.judge.check import Check
     from space_robot_bringup.judge.metrics import Axis, RunMetrics
-    from space_robot_bringup.judge.verdict import Check
     from space_robot_bringup.logs.assessed import JudgedLog, read_judged
     from space_robot_bringup.modes.hooks import Hooks
     from space_robot_bringup.modes.run import RunResult, run_experiment
@@ -40,6 +40,6 @@ else:
         "space_robot_bringup.public.result": ("Run",),
         "space_robot_bringup.modes.hooks": ("Hooks",),
         "space_robot_bringup.modes.run": ("RunResult", "run_experiment"),
-        "space_robot_bringup.judge.verdict": ("Check",),
+        "space_robot_bringup.judge.check": ("Check",),
     }
     __getattr__, __dir__ = lazy_face(__name__, _MODULES)

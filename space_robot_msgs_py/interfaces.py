@@ -253,6 +253,12 @@ class Tick:
         """[ns]."""
         return self.sample.state.stamp
 
+    @property
+    def diagnostics(self) -> tuple[DiagnosticEvent, ...]:
+        """What happens: to the robot, to its commands, and what a supervisor found, in this order."""
+        found = () if self.supervision is None else self.supervision.events
+        return (*self.sample.faults, *self.sample.events, *found)
+
 
 class Controller(Protocol):
     """Decides: a control law with its nominal model and gains."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib import metadata
 from math import radians
@@ -13,10 +13,12 @@ import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
 from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts
+from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
+from space_robot_bringup.judge.assertions import check_assertions
 from space_robot_bringup.judge.metrics import axis_names, metric_names
-from space_robot_bringup.judge.verdict import check_bands, check_expectations
+from space_robot_bringup.judge.verdict import check_bands
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
@@ -221,10 +223,21 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
     reference = make_reference(experiment.reference, nominal, q0)
     composition = Composition(experiment, nominal, truth, changes, plan, policy, reference, seeds, q0, v0)
     free_flying = nominal.base_mode == "free_flying"
-    check_expectations(experiment.expect, metric_names(robot.joint_names, base_translation=free_flying))
+    check_expect(experiment.expect, composition)
     check_bands(experiment.settling_bands, axis_names(robot.joint_names, base_translation=free_flying))
     _check_recorded(experiment)
     return composition
+
+
+def check_expect(expect: Mapping[str, AnyExpectation], composition: Composition) -> None:
+    """Refuse what is expected of a run and cannot be judged: metrics, signals, modes and events there will not be.
+
+    Raises:
+        SpecError: with the nearest names.
+    """
+    nominal = composition.nominal
+    metrics = metric_names(nominal.joint_names, base_translation=nominal.base_mode == "free_flying")
+    check_assertions(expect, nominal, composition.experiment, composition.faults, metrics)
 
 
 def versions() -> dict[str, str]:

@@ -11,7 +11,6 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     Field,
-    NonNegativeFloat,
     NonNegativeInt,
     PositiveFloat,
     SerializerFunctionWrapHandler,
@@ -25,6 +24,7 @@ from ruamel.yaml.scalarstring import LiteralScalarString
 from space_robot_bringup.experiment.base import BASE, with_base
 from space_robot_bringup.experiment.controller import ControllerSpec, check_controller
 from space_robot_bringup.experiment.dotted_keys import LAW_KEY, set_key
+from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.plant import AnyPlant, ModelSpec, PlantSpec
 from space_robot_bringup.experiment.recorded_reference import with_recorded_log
 from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
@@ -83,23 +83,6 @@ class NominalSpec(ModelSpec):
         return self
 
 
-class Expectation(Strict):
-    """What a metric should be; at least one bound."""
-
-    value: float | None = Field(default=None, description="expected value, in the metric's unit")
-    tolerance: NonNegativeFloat = Field(default=0.0, description="allowed distance from the value")
-    min: float | None = None
-    max: float | None = None
-
-    @model_validator(mode="after")
-    def _can_hold(self) -> Self:
-        if self.value is None and self.min is None and self.max is None:
-            raise ValueError("give value, min or max")
-        if self.min is not None and self.max is not None and self.min > self.max:
-            raise ValueError("min must not be above max")
-        return self
-
-
 class Experiment(Strict):
     """One run of one robot under one law: everything that decides its bits.
 
@@ -125,7 +108,10 @@ class Experiment(Strict):
     settling_bands: dict[str, PositiveFloat] = Field(
         default_factory=dict, description="axis -> half width [deg or m] in place of 2 % of its travel"
     )
-    expect: dict[str, Expectation] = Field(default_factory=dict, description="metric name -> bound; the verdict")
+    expect: dict[str, AnyExpectation] = Field(
+        default_factory=dict,
+        description="the verdict: metric -> bound, signal -> condition over time, `mode` and `events` -> one per name",
+    )
 
     @model_serializer(mode="wrap")
     def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

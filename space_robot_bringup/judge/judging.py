@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from space_robot_bringup.experiment.expectations import AnyExpectation, bounds_of
+from space_robot_bringup.judge.assertions import Assertions
+from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.measure import Block, Measurement, tick_blocks
 from space_robot_bringup.judge.metrics import RunMetrics
-from space_robot_bringup.judge.verdict import Check, check_end, check_ticks, judge
+from space_robot_bringup.judge.signals import Rows
+from space_robot_bringup.judge.verdict import check_end, check_ticks, judge
 from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.arrays import LogArrays
+from space_robot_msgs_py.log.blocks import Block as LogBlock
 
 if TYPE_CHECKING:
     from space_robot_bringup.compose.composition import Composition
@@ -29,26 +35,40 @@ class Judge:
 
     Args:
         composition: of the experiment that was run.
+        expect: instead of what the experiment expects, checked, see ``check_expect``.
     """
 
-    def __init__(self, composition: Composition) -> None:
-        nominal = composition.nominal
-        self._experiment = composition.experiment
+    def __init__(self, composition: Composition, expect: Mapping[str, AnyExpectation] | None = None) -> None:
+        nominal, experiment = composition.nominal, composition.experiment
+        self._experiment = experiment
+        self._expect = experiment.expect if expect is None else expect
+        self._assertions = Assertions(self._expect, nominal, experiment)
         self._measurement = Measurement(
             composition.joint_names,
             base_translation=nominal.base_mode == "free_flying",
             prismatic=nominal.prismatic,
-            bands=composition.experiment.settling_bands,
+            bands=experiment.settling_bands,
         )
+        self._pending: tuple[DiagnosticEvent, ...] = ()
         self._refusal: SpaceRobotError | ValueError | None = None
 
-    def add(self, block: Block) -> None:
-        """Take the next ticks, see ``Measurement.add``; what cannot be judged is an error of ``verdict``."""
+    def add(self, block: Block, events: Iterable[DiagnosticEvent] = ()) -> None:
+        """Take the next ticks and what happened at them; what cannot be judged is an error of ``verdict``."""
         if self._refusal is None:
+            stamps, plant, q_d, v_d = block
             try:
                 self._measurement.add(*block)
+                self._assertions.add(stamps, Rows(plant, q_d, v_d), events)
             except (SpaceRobotError, ValueError) as error:
                 self._refusal = error
+
+    def add_log(self, block: LogBlock) -> None:
+        """``add`` for a block of a log; what happened at ticks that do not fit the robot is not forgotten."""
+        if block.arrays is not None:
+            self.add(log_block(block.arrays), (*self._pending, *block.diagnostics))
+            self._pending = ()
+        else:
+            self._pending += block.diagnostics
 
     def verdict(self, reason: str, lacks: Lacking = _nothing_known) -> Judgement:
         """Metrics and verdict of the run; no metrics where no tick was completed.
@@ -66,10 +86,10 @@ class Judge:
         experiment, stamps = self._experiment, self._measurement.stamps
         whole = check_ticks(stamps, experiment.steps, experiment.period, lacks)
         if not stamps.size:
-            return None, (check_end(reason), whole)
+            return None, (check_end(reason), whole, *self._assertions.checks())
         metrics = self._measurement.result()
-        ended, *others = judge(metrics, experiment.expect, reason)
-        return metrics, (ended, whole, *others)
+        ended, *others = judge(metrics, bounds_of(self._expect), reason)
+        return metrics, (ended, whole, *others, *self._assertions.checks())
 
 
 def judge_ticks(ticks: Sequence[Tick], composition: Composition, reason: str) -> Judgement:
@@ -84,8 +104,10 @@ def judge_ticks(ticks: Sequence[Tick], composition: Composition, reason: str) ->
         SpaceRobotError: the ticks lack the telemetry that metrics are made of, or a metric is not finite.
     """
     judging = Judge(composition)
+    events = [event for tick in ticks for event in tick.diagnostics]
     for block in tick_blocks(ticks):
-        judging.add(block)
+        judging.add(block, events)
+        events = []
     return judging.verdict(reason)
 
 
@@ -95,21 +117,26 @@ def log_block(arrays: LogArrays) -> Block:
 
 
 def judge_blocks(
-    blocks: Iterable[LogArrays], composition: Composition, reason: str, lacks: Lacking = _nothing_known
+    blocks: Iterable[LogBlock],
+    composition: Composition,
+    reason: str,
+    lacks: Lacking = _nothing_known,
+    expect: Mapping[str, AnyExpectation] | None = None,
 ) -> Judgement:
     """``Judge`` for a log.
 
     Args:
-        blocks: see ``LogReader.blocks``.
+        blocks: see ``LogReader.event_blocks``.
         composition: of the experiment that was run.
         reason: of the end.
         lacks: says what a tick lacks that is not complete.
+        expect: instead of what the experiment expects, see ``Judge``.
 
     Raises:
         SpaceRobotError: the log cannot be read, lacks the telemetry that metrics are made of, or a metric is not
             finite.
     """
-    judging = Judge(composition)
+    judging = Judge(composition, expect)
     for block in blocks:
-        judging.add(log_block(block))
+        judging.add_log(block)
     return judging.verdict(reason, lacks)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from space_robot_bringup.experiment.experiment import Expectation
-from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.experiment.expectations import Expectation
+from space_robot_bringup.judge.check import Check
+from space_robot_bringup.judge.metrics import PER_AXIS, RunMetrics
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
@@ -23,23 +24,6 @@ PLANT_BOUNDS = {
     "quaternion_residual": 1e-8,
     INTEGRATION_ERROR: 1e-5,
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """One bound and what was measured.
-
-    Attributes:
-        name: metric, e.g. ``base/roll.settling_time``.
-        measured: None where the run has no such number (never settled).
-        wanted: the bound in words.
-        passed: it holds.
-    """
-
-    name: str
-    measured: float | None
-    wanted: str
-    passed: bool
 
 
 def check_expectations(expect: Mapping[str, Expectation], names: Sequence[str]) -> None:
@@ -111,12 +95,13 @@ def check_ticks(
 
 def check_bounds(name: str, value: float | None, wanted: Expectation) -> list[Check]:
     """One check per bound an expectation states; a number that is not there keeps none."""
-    checks = []
+    found = []
     if wanted.value is not None:
         close = value is not None and abs(value - wanted.value) <= wanted.tolerance
-        checks.append(Check(name, value, f"{wanted.value:g} +- {wanted.tolerance:g}", close))
+        found.append((f"{wanted.value:g} +- {wanted.tolerance:g}", close))
     if wanted.min is not None:
-        checks.append(Check(name, value, f">= {wanted.min:g}", value is not None and value >= wanted.min))
+        found.append((f">= {wanted.min:g}", value is not None and value >= wanted.min))
     if wanted.max is not None:
-        checks.append(Check(name, value, f"<= {wanted.max:g}", value is not None and value <= wanted.max))
-    return checks
+        found.append((f"<= {wanted.max:g}", value is not None and value <= wanted.max))
+    about: Literal["budget", "task"] = "task" if name.rpartition(".")[2] in PER_AXIS else "budget"
+    return [Check(name, value, words, holds, wanted.id, about=about) for words, holds in found]

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.experiment.experiment import Experiment
-from space_robot_bringup.judge.judging import Judge, Judgement, log_block
+from space_robot_bringup.judge.check import Check
+from space_robot_bringup.judge.judging import Judge, Judgement
 from space_robot_bringup.judge.metrics import RunMetrics
-from space_robot_bringup.judge.verdict import Check
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
@@ -128,8 +128,8 @@ class _Reading:
             self._unfit += len(block.unfit)
             if block.arrays is not None:
                 self.thinner.add(block.arrays)
-                if self._judge is not None:
-                    self._judge.add(log_block(block.arrays))
+            if self._judge is not None:
+                self._judge.add_log(block)
         self._tell(first)
 
     def judged(self, reason: str, troubles: list[str]) -> Judgement:

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.judging import judge_blocks
-from space_robot_bringup.judge.verdict import Check
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.bounded_files import is_file
@@ -230,5 +230,5 @@ def _words(experiment: Experiment) -> dict[str, str]:
 
 
 def _verdict(reader: LogReader, experiment: Experiment, reason: str | None) -> Verdict:
-    metrics, checks = judge_blocks(reader.blocks(), compose_logged(experiment), reason or "cut")
+    metrics, checks = judge_blocks(reader.event_blocks(), compose_logged(experiment), reason or "cut")
     return Verdict(checks) if metrics is not None else Verdict(why_not="no complete tick")

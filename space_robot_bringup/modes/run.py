@@ -8,9 +8,10 @@ from typing import Literal, get_args
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import Experiment
-from space_robot_bringup.judge.judging import Judge, log_block
+from space_robot_bringup.judge.check import Check
+from space_robot_bringup.judge.judging import Judge
 from space_robot_bringup.judge.metrics import RunMetrics
-from space_robot_bringup.judge.verdict import Check, check_end
+from space_robot_bringup.judge.verdict import check_end
 from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks, Stopwatch
 from space_robot_control.laws.policy import TYPED, LawPolicy
@@ -124,8 +125,8 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
     try:
         # Resolved as the writer did: `a/../b` is a place even where there is no `a`.
         reader, judging = LogReader(directory.resolve()), Judge(composition)
-        for block in reader.blocks():
-            judging.add(log_block(block))
+        for block in reader.event_blocks():
+            judging.add_log(block)
         logged = reader.end_reason
     except SpaceRobotError as error:
         reason = f"recorder: {error}" if reason == "completed" else reason

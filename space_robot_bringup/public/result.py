@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import entry_points
@@ -9,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.metrics import RunMetrics
-from space_robot_bringup.judge.verdict import Check
 from space_robot_bringup.modes.run import RunResult
 from space_robot_bringup.public.arrays import RunArrays, run_arrays
 from space_robot_bringup.public.calls import needing
@@ -56,6 +57,27 @@ class Run:
     def verdict(self) -> tuple[Check, ...]:
         """Bound by bound what was wanted and what was measured; empty if no tick was completed."""
         return self.result.checks
+
+    def expect(self, expect: Mapping[str, Any]) -> tuple[Check, ...]:
+        """Assert what the run must show, as in a test: ``run.expect({"base.rate": {"never_above": 0.2}})``.
+
+        Args:
+            expect: as the section ``expect`` of an experiment.
+
+        Returns:
+            What is expected, check by check, with what the run showed.
+
+        Raises:
+            AssertionError: something does not hold or is not judged, one line each.
+            SpaceRobotError: a name means nothing in this run.
+        """
+        # Only here: it composes the experiment in the log, which most results never need.
+        from space_robot_bringup.public.judge import judge
+
+        checks = tuple(check for check in judge(self.result.directory, expect) if check.about != "run")
+        if lines := [check.line for check in checks if not check.passed]:
+            raise AssertionError("\n".join(lines))
+        return checks
 
     @property
     def metrics(self) -> RunMetrics | None:

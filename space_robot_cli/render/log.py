@@ -33,8 +33,7 @@ def print_info(console: Console, info: BagInfo) -> None:
         _say(console, f"ended: {info.end_reason or 'the log was truncated'}")
     for check in info.verdict.checks:
         if not check.passed:
-            measured = "none" if check.measured is None else f"{check.measured:g}"
-            _say(console, f"failed: {check.name} is {measured}, wanted {check.wanted}", "red")
+            _say(console, check.line, "red" if check.judged else "yellow")
     if info.verdict.passed is None:
         _say(console, f"no verdict: {info.verdict.why_not}")
     else:

@@ -44,8 +44,8 @@ def verdict(console: Console, experiment: Experiment, mode: str, result: RunResu
         console.print(_totals(mode, result, result.metrics))
     for check in result.checks:
         if not check.passed:
-            measured = "none" if check.measured is None else f"{check.measured:g}"
-            console.print(f"failed: {check.name} is {measured}, wanted {check.wanted}", style="red", markup=False)
+            style = "red" if check.judged else "yellow"
+            console.print(check.line, style=style, markup=False, soft_wrap=True)
     console.print(f"log: {result.directory}", markup=False, soft_wrap=True)
     word, style = ("PASS", "bold green") if result.passed else ("FAIL", "bold red")
     console.print(f"{word} ({result.end_reason})", style=style, markup=False, soft_wrap=True)

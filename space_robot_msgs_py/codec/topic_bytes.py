@@ -35,6 +35,9 @@ from space_robot_msgs_py.topics import (
 # What a tick consists of, in the order of the log; what follows from it comes behind it.
 LOGGED: tuple[Topic, ...] = tuple(t for t in TABLE if t.recorded and not t.latched and not t.derived)
 
+# The topics of what happens, in the order of a tick: to the robot, to its commands, and what a supervisor finds.
+DIAGNOSTICS: tuple[Topic, ...] = (FAULTS, PLANT_EVENTS, EVENTS)
+
 
 def value_layouts(joint_names: Sequence[str]) -> dict[Topic, Layout]:
     """The layout of each message of state, reference and command for a robot's joints, in model order."""
@@ -259,6 +262,19 @@ def is_empty(topic: Topic, raw: bytes) -> bool:
 @cache
 def _shortest() -> int:
     return len(encode_tick_housekeeping(TelemetryCodec(HOUSEKEEPING), 0, None))
+
+
+def diagnostics_of(parts: Mapping[str, bytes], stamp: int) -> tuple[DiagnosticEvent, ...]:
+    """What happens at a tick: to the robot, to its commands, and what a supervisor found, in this order.
+
+    Args:
+        parts: canonical messages by topic name.
+        stamp: of the tick [ns].
+
+    Raises:
+        LayoutError: a message is unreadable, or of another stamp.
+    """
+    return tuple(event for topic in DIAGNOSTICS for event in _statuses(topic, parts, stamp))
 
 
 def plant_events(sample: PlantSample) -> list[tuple[Topic, tuple[DiagnosticEvent, ...]]]:

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from space_robot_msgs_py.codec.topic_bytes import TickCodec, events_of
+from space_robot_msgs_py.codec.topic_bytes import TickCodec, diagnostics_of, events_of
 from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError
-from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.arrays import LogArrays, Row, arrays_of, stack_ticks
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY
@@ -24,11 +24,13 @@ class Block:
     Attributes:
         arrays: those that fit the robot, stacked; None where none does.
         events: what was changed at them, in order.
+        diagnostics: what happened at them, in order.
         unfit: stamp [ns] of each other one, and why it does not fit.
     """
 
     arrays: LogArrays | None
     events: tuple[ControllerEvent, ...] = ()
+    diagnostics: tuple[DiagnosticEvent, ...] = ()
     unfit: tuple[tuple[int, SpaceRobotError], ...] = ()
 
 
@@ -60,7 +62,8 @@ class BlockStacker:
     def _stack(self, rows: Sequence[Row]) -> Block:
         try:
             arrays = stack_ticks(rows, self._joint_names, self._key, one_stamp=True)
-            block = Block(arrays, tuple(event for stamp, parts in rows for event in events_of(parts, stamp)))
+            events = tuple(event for stamp, parts in rows for event in events_of(parts, stamp))
+            block = Block(arrays, events, tuple(one for stamp, parts in rows for one in diagnostics_of(parts, stamp)))
         except SpaceRobotError:
             # Cutting all at once is ten times faster than decoding, but all or nothing.
             block = self._one_by_one(rows)
@@ -79,7 +82,8 @@ class BlockStacker:
             arrays = arrays_of(ticks) if ticks else None
         except LayoutError as error:
             raise LogError(f"the messages of a topic differ: {error}", key=self._key) from None
-        return Block(arrays, tuple(event for tick in ticks for event in tick.output.events), tuple(unfit))
+        events = tuple(event for tick in ticks for event in tick.output.events)
+        return Block(arrays, events, tuple(one for tick in ticks for one in tick.diagnostics), tuple(unfit))
 
     def _check_shapes(self, arrays: LogArrays) -> None:
         """Blocks of telemetry have to be the same ones in the whole log."""

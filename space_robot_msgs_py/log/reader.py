@@ -24,7 +24,7 @@ from space_robot_msgs_py.errors import (
 )
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.arrays import LogArrays, Row, stack_ticks
-from space_robot_msgs_py.log.blocks import BLOCK, BlockStacker
+from space_robot_msgs_py.log.blocks import BLOCK, Block, BlockStacker
 from space_robot_msgs_py.log.directory import BAG_SUFFIX
 from space_robot_msgs_py.log.header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, flatten, message_head, parse, parse_attachment, scan
@@ -157,9 +157,13 @@ class LogReader:
         Raises:
             LogError: the shape of telemetry changes in the course of the log.
         """
-        for block in BlockStacker(self.header.joint_names, self._key).blocks(self.rows(), size):
+        for block in self.event_blocks(size):
             if block.arrays is not None:
                 yield block.arrays
+
+    def event_blocks(self, size: int = BLOCK) -> Iterator[Block]:
+        """The same with what happened at the ticks; a block whose ticks all do not fit the robot has no arrays."""
+        return BlockStacker(self.header.joint_names, self._key).blocks(self.rows(), size)
 
     def _decoded(self) -> Iterator[tuple[int, dict[str, bytes], Tick | SpaceRobotError]]:
         codec = TickCodec(self.header.joint_names)

@@ -11,8 +11,9 @@ from time import perf_counter
 from typing import Any, get_args
 
 from space_robot_bringup.compose.composition import Composition, versions
+from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.metrics import metric_names
-from space_robot_bringup.judge.verdict import Check, check_bounds, check_expectations
+from space_robot_bringup.judge.verdict import check_bounds, check_expectations
 from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SilenceError, SpecError
 from space_robot_studies.campaign.cases import check_cases, make_case

@@ -10,7 +10,8 @@ from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
 from space_robot_bringup.experiment.base import with_base
 from space_robot_bringup.experiment.dotted_keys import set_key
-from space_robot_bringup.experiment.experiment import Expectation, experiment_from, located, read_experiment
+from space_robot_bringup.experiment.expectations import Expectation
+from space_robot_bringup.experiment.experiment import experiment_from, located, read_experiment
 from space_robot_description.load import load_robot
 from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.spec import Strict, Title

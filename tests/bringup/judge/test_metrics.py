@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from space_robot_bringup.experiment.experiment import Expectation
+from space_robot_bringup.experiment.expectations import Expectation
 from space_robot_bringup.judge.measure import measure
 from space_robot_bringup.judge.metrics import RunMetrics, deviations, metric_names
 from space_robot_bringup.judge.verdict import check_expectations, judge

@@ -1,0 +1,189 @@
+"""Conditions over time: judged tick by tick as a formula over the whole run; the end of a run is no proof."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from space_robot_bringup.experiment.expectations import Occurrence, OverTime, Temporal
+from space_robot_bringup.judge.temporal import Clock, Finding, Now, Within, watch_of
+from space_robot_msgs_py.interfaces import NANOSECONDS
+
+PERIOD = NANOSECONDS // 4
+
+
+def shown(spec: Temporal, holds: Sequence[bool], events: dict[int, str] | None = None, planned: int = 0) -> Finding:
+    """What a run of so many ticks shows of a condition that holds at some of them."""
+    clock = Clock(PERIOD, (planned or len(holds) - 1) * PERIOD)
+    watch = watch_of(spec, clock)
+    for tick, now in enumerate(holds):
+        happened = frozenset({events[tick]} if events and tick in events else ())
+        watch.step(Now(tick * PERIOD, now, float(now), happened, f"{float(now):g} rad/s"))
+    return watch.finish()
+
+
+def at(*ticks: int, of: int) -> list[bool]:
+    """A condition that holds at these ticks."""
+    return [tick in ticks for tick in range(of)]
+
+
+CASES: dict[str, tuple[Temporal, list[bool], dict[int, str], int, bool | None, str]] = {
+    "never, and it never does": (OverTime(never_above=1.0), at(of=9), {}, 8, True, "at worst 0 rad/s at 0 s (tick 0)"),
+    "never, and it does once": (OverTime(never_above=1.0), at(5, of=9), {}, 8, False, "1 rad/s at 1.25 s (tick 5)"),
+    "never, seen too short": (OverTime(never_above=1.0), at(of=9), {}, 20, None, "ended at 2 s, before 5 s"),
+    "never, seen too short but it does": (OverTime(never_above=1.0), at(5, of=9), {}, 20, False, "tick 5"),
+    "never for 0.5 s, and it does": (
+        OverTime.model_validate({"never_above": 1.0, "for": 0.5}),
+        at(2, 3, 4, of=9),
+        {},
+        8,
+        False,
+        "1 rad/s at 1 s (tick 4), since 0.5 s",
+    ),
+    "never for 0.5 s, and it is shorter": (
+        OverTime.model_validate({"never_above": 1.0, "for": 0.5}),
+        at(2, 3, 5, 6, of=9),
+        {},
+        8,
+        True,
+        "",
+    ),
+    "never for 0.5 s, and it may just have begun": (
+        OverTime.model_validate({"never_above": 1.0, "for": 0.5}),
+        at(7, 8, of=9),
+        {},
+        8,
+        None,
+        "holds since 1.75 s, and the run ends before",
+    ),
+    "never until a time": (OverTime(never_above=1.0, until=1.25), at(5, of=9), {}, 8, True, ""),
+    "never until a time behind the run": (OverTime(never_above=1.0, until=9.0), at(of=9), {}, 8, None, "before 9 s"),
+    "never from an event to another": (
+        OverTime(never_above=1.0, after="a", until="b"),
+        at(1, 6, of=9),
+        {2: "a", 6: "b"},
+        8,
+        True,
+        "",
+    ),
+    "never after what did not happen": (
+        OverTime(never_above=1.0, after="a"),
+        at(of=9),
+        {},
+        8,
+        None,
+        "a did not happen",
+    ),
+    "within of an event": (Occurrence(within=0.5, after="a"), at(5, of=9), {3: "a"}, 8, True, "after 0.5 s"),
+    "within, too late": (
+        Occurrence(within=0.5, after="a"),
+        at(6, of=9),
+        {3: "a"},
+        8,
+        False,
+        "0 rad/s at 1.25 s (tick 5), 0.5 s after 0.75 s",
+    ),
+    "within, the second time too late": (
+        Occurrence(within=0.5, after="a"),
+        at(1, of=9),
+        {1: "a", 4: "a"},
+        8,
+        False,
+        "0.5 s after 1 s",
+    ),
+    "within, and the run ends before": (
+        Occurrence(within=2.0, after="a"),
+        at(of=9),
+        {3: "a"},
+        8,
+        None,
+        "the run ended at 2 s, too soon after 0.75 s",
+    ),
+    "within, held for a while": (
+        Occurrence.model_validate({"within": 0.5, "for": 0.5}),
+        at(0, 2, 3, 4, of=9),
+        {},
+        8,
+        True,
+        "after 0.5 s",
+    ),
+    "within, not held": (
+        Occurrence.model_validate({"within": 0.5, "for": 0.5}),
+        at(0, 2, 3, of=9),
+        {},
+        8,
+        False,
+        "tick 4",
+    ),
+    "at most twice, and it is three times": (
+        Occurrence(at_most=2),
+        at(0, 1, 3, 5, of=9),
+        {},
+        8,
+        False,
+        "3 times, last at 1.25 s (tick 5)",
+    ),
+    "at most twice, seen too short": (Occurrence(at_most=2), at(0, 1, of=9), {}, 20, None, "once"),
+    "at least once, seen too short but it is": (Occurrence(at_least=1), at(4, of=9), {}, 20, True, "once"),
+    "at least once, and it is not": (Occurrence(at_least=1), at(of=9), {}, 8, False, "0 times"),
+    "at the end": (Occurrence(at_end=True), at(8, of=9), {}, 8, True, "since 2 s"),
+    "at the end of a run that ended early": (Occurrence(at_end=True), at(8, of=9), {}, 9, None, "before its end"),
+    "at the end for a while": (
+        Occurrence.model_validate({"at_end": True, "for": 0.5}),
+        at(7, 8, of=9),
+        {},
+        8,
+        False,
+        "since 1.75 s",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_a_run_shows_of_a_condition(case: str) -> None:
+    """Known runs: holds, fails or not judged, with a reason that names time and value."""
+    spec, holds, events, last, passed, reason = CASES[case]
+    found = shown(spec, holds, events, last)
+    assert found.passed is passed, found
+    assert reason in found.reason, found
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_streaming_equals_the_formula_over_the_whole_run(seed: int) -> None:
+    """Of random runs: within and never, with durations and repeated events, tick by tick as over all ticks at once."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(5, 80))
+    holds = (rng.random(count) < rng.choice([0.1, 0.5, 0.9])).tolist()
+    events = {int(tick): "a" for tick in rng.choice(count, int(rng.integers(1, 4)))}
+    span, lasting = int(rng.integers(0, 12)), int(rng.integers(1, 6))
+    seconds = {"within": span / 4, "for": lasting / 4, "after": "a"}
+    found = shown(Occurrence.model_validate(seconds), holds, events)
+    assert found.passed is within_formula(holds, sorted(events), span, lasting), (holds, events, span, lasting)
+    never = shown(OverTime.model_validate({"never_above": 0.5, "for": lasting / 4}), holds)
+    runs = [all(holds[tick : tick + lasting + 1]) for tick in range(count - lasting)]
+    tail = any(all(holds[tick:]) for tick in range(max(0, count - lasting), count))
+    assert never.passed is (False if any(runs) else None if tail else True)
+
+
+def within_formula(holds: list[bool], begun: list[int], span: int, lasting: int) -> bool | None:
+    """For each beginning there is a tick soon enough from which on it holds for long enough; None: not all is seen."""
+    answers = []
+    for first in begun:
+        starts = range(first, first + span + 1)
+        seen = [holds[start : start + lasting + 1] for start in starts]
+        if any(len(part) == lasting + 1 and all(part) for part in seen):
+            answers.append(True)
+        else:
+            answers.append(None if any(len(part) <= lasting and all(part) for part in seen) else False)
+    return False if False in answers else None if None in answers else True
+
+
+def test_a_run_of_any_length_is_judged_in_bounded_memory() -> None:
+    """An event at every tick keeps no more waiting than fit into the time an answer may take."""
+    watch = Within(Occurrence.model_validate({"within": 1.0, "for": 2.0, "after": "a"}), Clock(PERIOD, 10**15))
+    for tick in range(5_000):
+        watch.step(Now(tick * PERIOD, tick % 3 > 0, None, frozenset({"a"}), ""))
+        assert len(watch._waiting) <= 1 + math.ceil(3.0 * NANOSECONDS / PERIOD)
