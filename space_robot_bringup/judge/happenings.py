@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED
 from space_robot_sim.faults.plan import BEGINS, ENDS, FaultPlan
-from space_robot_supervisor.reports import MODE
+from space_robot_supervisor.reports import COMMAND, MODE, SEQUENCE
+from space_robot_supervisor.table import COMMANDS
 
 FIRES, CLEARS = "fires", "clears"
+ANSWERS = ("accepted", "refused")
+STEPS = ("starts", "ends", "aborted")
+# Messages that are the end of something.
+LAST = frozenset((ENDS, CLEARS, *STEPS[1:]))
 
 
 def names_of(event: DiagnosticEvent) -> tuple[str, ...]:
-    """Every name of an event: ``NAME MESSAGE``, ``NAME`` alone unless it is the end of something, ``mode MODE``."""
+    """Every name of an event: ``NAME MESSAGE``, ``NAME`` alone unless it is the end of something, ``mode MODE``.
+
+    Of commands and sequences NAME is ``command safe``, ``sequence stow``.
+    """
     mode = entered(event)
     if mode is not None:
         return (f"{MODE} {mode}",)
-    whole = f"{event.name} {event.message}"
-    return (whole,) if event.message in (ENDS, CLEARS) else (event.name, whole)
+    name = f"{event.name} {dict(event.values).get(event.name)}" if event.name in (COMMAND, SEQUENCE) else event.name
+    whole = f"{name} {event.message}"
+    return (whole,) if event.message in LAST else (name, whole)
 
 
 def entered(event: DiagnosticEvent) -> str | None:
@@ -37,5 +46,13 @@ def known_names(experiment: Experiment, plan: FaultPlan | None) -> Iterator[str]
             yield monitor.name
             yield from (f"{monitor.name} {message}" for message in (FIRES, CLEARS))
         yield from (f"{MODE} {mode}" for mode in table.modes)
+        yield from _with_messages((f"{COMMAND} {command}" for command in COMMANDS), ANSWERS)
+        yield from _with_messages((f"{SEQUENCE} {name}" for name in table.sequences), STEPS)
     if experiment.plant.monitor is not None:
         yield from (MISSING, REFUSED, CLIPPED)
+
+
+def _with_messages(names: Iterable[str], messages: Iterable[str]) -> Iterator[str]:
+    for name in names:
+        yield name
+        yield from (f"{name} {message}" for message in messages)

@@ -128,6 +128,34 @@ def test_what_cannot_be_judged_is_refused_before_the_run(case: str) -> None:
         assert word in str(caught.value), str(caught.value)
 
 
+COMMANDED: dict[str, Any] = {
+    "duration": 4.0,
+    "supervision": {
+        "modes": {"NOMINAL": {}, "SAFE": {"law": "damped_hold", "from": ["HOLD"]}, "HOLD": {"reference": "here"}},
+        "schedule": [{"at": 1.0, "do": "safe"}, {"at": 2.0, "start": "rest"}],
+        "sequences": {"rest": [{"after": 0.5, "do": "hold"}]},
+    },
+    "expect": {
+        "events": {
+            "command safe refused": {"at_least": 1, "at_most": 1},
+            "command safe accepted": {"never": True},
+            "sequence rest": {"at_least": 1},
+            "sequence rest ends": {"at_least": 1},
+        },
+        "mode": {"HOLD": {"within": 0.5, "after": "sequence rest"}},
+    },
+}
+
+
+def test_commands_and_sequences_are_events_to_expect() -> None:
+    """A command has its name and the answer, a sequence its name and what became of it."""
+    composition = compose(load_experiment("liu2023/fig08", COMMANDED))
+    sink = run_in_memory(composition)
+    checks = judge_ticks(sink.ticks, composition, str(sink.end_reason))[1]
+    found = {check.name: check.line for check in checks if check.about != "run" and not check.passed}
+    assert not found
+
+
 def test_modes_are_expected_of_supervised_runs_alone() -> None:
     """Without a supervisor there is no mode, and the error says what is lacking."""
     with pytest.raises(SpecError, match=r"expect\.mode\.SAFE.*supervision"):
