@@ -35,6 +35,8 @@ class Listening(Law):
 
 LATE = {"plant.delay_periods": 1}
 KNOWN = LATE | {"nominal.delay_periods": 1}
+# An axis so far off has not been controlled for some time [deg].
+LOST = 90.0
 
 
 def ran(name: str, overrides: dict[str, object]) -> sr.Run:
@@ -77,8 +79,8 @@ def test_least_squares_learn_from_the_command_that_acted() -> None:
 def test_a_model_free_law_predicts_what_the_command_under_way_does() -> None:
     """With a late command the outputs diverge; knowing of it the law settles within 0.1 deg."""
     mfac = {"controller.law": "mfac"}
-    assert ran("compare/mini", mfac | LATE).reason != "completed"
-    aware = ran("compare/mini", mfac | KNOWN)
+    unaware, aware = ran("compare/mini", mfac | LATE), ran("compare/mini", mfac | KNOWN)
+    assert max(max_errors(unaware)) > LOST
     assert aware.reason == "completed"
     assert max(axis.final_error for axis in aware.metrics.axes) < 0.1
 
@@ -88,7 +90,7 @@ def test_a_disturbance_observer_compares_with_the_command_that_acted() -> None:
     controller = {"controller": {"law": "ntsmc", "gains": {"disturbance_observer": 0.5}}}
     prompt, unaware, aware = (ran("liu2023/fig11", controller | late) for late in ({}, LATE, KNOWN))
     assert (prompt.reason, aware.reason) == ("completed", "completed")
-    assert "not finite" in unaware.reason
+    assert max(max_errors(unaware)) > LOST
     estimates = [np.abs(run.arrays.telemetry.controller["disturbance_estimate"]).max() for run in (prompt, aware)]
     assert estimates[1] < 2.0 * estimates[0]
 

@@ -27,9 +27,13 @@ from space_robot_bringup.modes.graph import make_executor
 pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.xdist_group("wheel")]
 
 ASK_SECONDS = 15.0
-PACKAGES = ["space_robot", *(f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "bringup"))]
+PACKAGES = [
+    "space_robot",
+    *(f"space_robot_{name}" for name in ("msgs_py", "description", "control", "sim", "supervisor", "bringup")),
+]
 REPLAYER = "space_robot_sim/replayer"
 EXPERIMENT = ["--experiment", "liu2023/fig08"]
+MORE = {"space_robot_supervisor/supervisor": ["--set", "supervision=mini_basic"]}
 FIND = """
 import json, os
 from pathlib import Path
@@ -84,34 +88,34 @@ def bag(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run
 
 
-@pytest.mark.parametrize("executable", executables())
+def ends() -> list[Any]:
+    """Every executable with both signals; which of them every run of the suite tries goes by turns."""
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    return [
+        pytest.param(name, number, marks=[pytest.mark.thorough] if (turn + other) % 2 else [])
+        for turn, name in enumerate(executables())
+        for other, number in enumerate(numbers)
+    ]
+
+
+@pytest.mark.parametrize(("executable", "number"), ends())
 def test_every_node_starts_lists_its_parameters_and_stops(
-    prefix: Path, bag: Path, tmp_path: Path, executable: str
+    prefix: Path, bag: Path, tmp_path: Path, executable: str, number: signal.Signals
 ) -> None:
     """It appears in the graph, lists its parameters and ends with 0 on SIGINT and SIGTERM, leaving no process."""
+    arguments = [*EXPERIMENT, "--out", str(tmp_path / "run"), *MORE.get(executable, [])]
+    if executable == REPLAYER:
+        arguments = [str(bag), "--paused"]
     with reserved_domain() as domain, _observer(domain) as observer:
-        children = {
-            number: _start(
-                prefix / "lib" / executable,
-                [str(bag), "--paused"]
-                if executable == REPLAYER
-                else [*EXPERIMENT, "--out", str(tmp_path / number.name)],
-                domain,
-                namespace=number.name.lower(),
-            )
-            for number in (signal.SIGINT, signal.SIGTERM)
-        }
-        with ended([*children.values()]):
-            for number, child in children.items():
-                seen = observer(f"/{number.name.lower()}/node", child)
-                assert ("use_sim_time" if executable == REPLAYER else "experiment") in seen
-                child.send_signal(number)
-            said = {number: child.communicate(timeout=DEADLINE)[0] for number, child in children.items()}
-    for number, child in children.items():
-        assert child.returncode == 0, said[number]
-        assert "Traceback" not in said[number]
-        with pytest.raises(ProcessLookupError):
-            os.killpg(child.pid, 0)
+        child = _start(prefix / "lib" / executable, arguments, domain, namespace="one")
+        with ended([child]):
+            assert ("use_sim_time" if executable == REPLAYER else "experiment") in observer("/one/node", child)
+            child.send_signal(number)
+            said = child.communicate(timeout=DEADLINE)[0]
+    assert child.returncode == 0, said
+    assert "Traceback" not in said
+    with pytest.raises(ProcessLookupError):
+        os.killpg(child.pid, 0)
 
 
 @pytest.mark.parametrize("executable", executables())
