@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_description.inertia import inertial_parameters
+from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.reach import Reach, reach_of
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
@@ -134,9 +135,7 @@ def robot_report(robot: Robot) -> RobotReport:
 
 def coupling_at(robot: Robot, joints: Vector) -> Coupling:
     """Coupling of arm and base at the (n,) joint positions; the base pose does not matter."""
-    model, data = robot.model, robot.model.createData()
-    upper = np.triu(pin.crba(model, data, np.concatenate([pin.neutral(model)[:7], joints])))
-    full = upper + np.triu(upper, 1).T
+    full = mass_matrix(robot.model, np.concatenate([pin.neutral(robot.model)[:7], joints]))
     reduced = full[3:, 3:] - full[3:, :3] @ np.linalg.solve(full[:3, :3], full[:3, 3:])
     base, cross, arm = reduced[:3, :3], reduced[:3, 3:], reduced[3:, 3:]
     return Coupling(

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 from pydantic import Field, model_validator
 
+from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.payload import Payload, held_body
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict, Three
@@ -25,7 +26,7 @@ class TargetSpec(Strict):
     angular_velocity: Three = Field(default=(0.0, 0.0, 0.0), description="before it is caught, inertial axes [rad/s]")
     attached: bool = Field(
         default=False,
-        description="true: it appears at the velocity of the hand, without impact; momentum is balanced anew",
+        description="true: it appears at the velocity of the hand, without impact; the conservation baseline is reset",
     )
 
     @model_validator(mode="after")
@@ -58,8 +59,8 @@ class RobotChange(NamedTuple):
     Attributes:
         stamp: from when on [ns].
         robot: from then on.
-        caught: the free body whose inertia is the difference; None: the motion goes on as it is, and momentum and
-            energy are balanced anew.
+        caught: the free body whose inertia is the difference; None: the motion goes on as it is, and the
+            conservation baseline is reset.
     """
 
     stamp: int
@@ -113,8 +114,7 @@ def catch(model: Any, q: Vector, v: Vector, body: FreeBody) -> Impact:
     """
     data = model.createData()
     pin.computeJointJacobians(model, data, q)
-    mass = np.triu(pin.crba(model, model.createData(), q))
-    mass += np.triu(mass, 1).T
+    mass = mass_matrix(model, q)
     # Its twist where the joint is, in the frame of the joint.
     place, own = data.oMi[body.joint], body.inertia
     linear, omega = np.array(body.linear_velocity), np.array(body.angular_velocity)

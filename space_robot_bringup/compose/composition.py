@@ -143,8 +143,11 @@ class Composition:
             law.inbox = ControllerInbox(self.faults)
         return law
 
-    def supervisor(self) -> RunSupervisor | None:
+    def supervisor(self, controller: Law | None = None) -> RunSupervisor | None:
         """A new supervisor; None: the run has none.
+
+        Args:
+            controller: of this composition, which is asked for the labels of its telemetry; None: one is made for it.
 
         Raises:
             SpecError: it reads what there is not.
@@ -154,7 +157,7 @@ class Composition:
         from space_robot_bringup.compose.supervision import run_supervisor
 
         inbox = None if self.faults is None else ControllerInbox(self.faults)
-        return run_supervisor(self.experiment, self.nominal, self.controller(), inbox)
+        return run_supervisor(self.experiment, self.nominal, controller or self.controller(), inbox)
 
     def reference(self) -> ReferenceSource:
         """The reference source: a function of time, which all who ask share."""
@@ -183,8 +186,7 @@ def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
         SpaceRobotError: a part refuses its input; the message names the key.
     """
     composition = compose_world(experiment, policy)
-    composition.controller()
-    composition.supervisor()
+    composition.supervisor(composition.controller())
     return composition
 
 

@@ -154,13 +154,11 @@ class RunSupervisor:
         for event in events:
             if event.name in _COUNTED:
                 self._counts[_COUNTED[event.name]] += 1
-        if answer is None:
-            return self._supervisor.update(Snapshot(state, reference, None, None, self._wheels.momentum, self._counts))
-        command = answer.command
-        if self._counts_wheels and command.stamp > self._noted:
+        command, telemetry = (None, None) if answer is None else (answer.command, answer.telemetry)
+        if command is not None and self._counts_wheels and command.stamp > self._noted:
             self._noted = command.stamp
             self._wheels.apply(self._line.acting(command, True)[0].u, self._seconds)
-        known = Snapshot(state, reference, command, answer.telemetry, self._wheels.momentum, self._counts)
+        known = Snapshot(state, reference, command, telemetry, self._wheels.momentum, self._counts)
         return self._supervisor.update(known)
 
 

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Literal
-
-Outcome = Literal["PASS", "COMPLETED", "NOT JUDGED", "FAIL"]
-# What is said of a run that keeps its bounds where none of them is about its task.
-NOTHING_EXPECTED = "completed, nothing was expected"
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +17,7 @@ class Check:
         passed: it holds.
         requirement: id of what it verifies; empty where none is said.
         reason: what the run showed, with time and tick, where a number does not say it.
+        about: the run as a whole, a budget such as effort, or the task.
         judged: the run tells whether it holds; what it does not tell is not passed.
     """
 
@@ -49,12 +45,3 @@ class Check:
             return f"{what}: {name}, wanted {self.wanted}: {self.reason}"
         measured = "none" if self.measured is None else f"{self.measured:g}"
         return f"{what}: {name} is {measured}, wanted {self.wanted}"
-
-
-def outcome(checks: Sequence[Check]) -> Outcome:
-    """The verdict in a word: PASS needs everything to hold, and something of it to be about the task."""
-    if any(check.judged and not check.passed for check in checks) or not checks:
-        return "FAIL"
-    if not all(check.judged for check in checks):
-        return "NOT JUDGED"
-    return "PASS" if any(check.about == "task" for check in checks) else "COMPLETED"

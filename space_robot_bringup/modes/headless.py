@@ -146,13 +146,14 @@ def run_in_memory(composition: Composition, hooks: Hooks | None = None) -> Memor
     """
     hooks, sink = hooks or Hooks(), MemorySink()
     failures: list[BaseException] = []
+    controller = composition.controller()
     headless.run(
         composition.plant(),
-        composition.controller(),
+        controller,
         composition.reference(),
         steps=composition.experiment.steps,
         sink=sink,
-        supervisor=composition.supervisor(),
+        supervisor=composition.supervisor(controller),
         on_tick=hooks.on_tick,
         stop=hooks.stop,
         on_failure=failures.append,

@@ -169,7 +169,7 @@ def _execute(
     if mode == "headless":
         # The log last: what cannot be made leaves none behind.
         plant, controller, reference = composition.plant(), composition.controller(), composition.reference()
-        supervisor = composition.supervisor()
+        supervisor = composition.supervisor(controller)
         sink = LogSink(directory, composition.header, custom={"mode": mode})
         return headless.run(
             plant,

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import pinocchio as pin
 
+from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.faults.base import Actuation, ActuationFault
 from space_robot_sim.faults.plan import FaultPlan
@@ -111,8 +111,7 @@ def brake(model: Any, q: Vector, v: Vector, held: npt.NDArray[np.int64]) -> tupl
         (6+n,) velocity after it, and the work of the brakes [J].
     """
     rows = 6 + np.flatnonzero(held)
-    mass = np.triu(pin.crba(model, model.createData(), q))
-    mass += np.triu(mass, 1).T
+    mass = mass_matrix(model, q)
     picks = np.zeros((rows.size, v.size))
     picks[np.arange(rows.size), rows] = 1.0
     response = np.linalg.solve(mass, picks.T)

@@ -21,7 +21,7 @@ from space_robot_sim.faults.base import Actuation, ActuationFault, Fault, FaultS
 class BodyFault(Fault):
     """A fault after which another robot runs on: same joints and actuators, other inertias.
 
-    But for what is caught, the motion goes on as it is, and momentum and energy are balanced anew from there on.
+    But for what is caught, the motion goes on as it is, and the conservation baseline is reset.
     """
 
     group: ClassVar[str] = "body"

@@ -28,8 +28,6 @@ from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realti
 from space_robot_sim.nodes.services import RunServices, StepGate
 from space_robot_sim.nodes.transforms import TransformPublisher
 
-# What a recorder may take to hear of an event.
-
 
 class SimulatorNode(ManagedNode):
     """Carries a plant through ``steps`` control periods.
@@ -215,9 +213,11 @@ class SimulatorNode(ManagedNode):
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
-        for topic, publisher in self._event_publishers.items():
+        if self._event_publishers:
             # At every tick: topics have no order among each other, and the recorder waits for what it expects only.
-            publisher.publish(encode_tick_statuses(sample.state.stamp, dict(plant_events(sample)).get(topic, ())))
+            events = dict(plant_events(sample))
+            for topic, publisher in self._event_publishers.items():
+                publisher.publish(encode_tick_statuses(sample.state.stamp, events.get(topic, ())))
         publish_all(self._state_publishers, self._states.encode(sample.state))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
         self._clock_publisher.publish(encode_clock(sample.state.stamp))

@@ -91,7 +91,7 @@ def test_a_body_at_rest_slows_the_hand() -> None:
 
 
 def test_an_attached_body_appears_at_the_velocity_of_the_hand() -> None:
-    """With `attached: true` no rate jumps, momentum does, and the balance starts anew."""
+    """With `attached: true` no rate jumps, momentum does, and the conservation baseline is reset."""
     samples = coasting(target(attached=True))
     assert np.linalg.norm(jump(samples, "momentum")) > 0.1
     assert max(sample.telemetry["momentum_residual"].max() for sample in samples) < 1e-12

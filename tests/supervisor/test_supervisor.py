@@ -106,7 +106,7 @@ def test_the_highest_severity_decides() -> None:
     assert found[0].mode == "SAFE"
 
 
-def test_monitors_count_anew_in_another_mode() -> None:
+def test_monitors_count_from_zero_in_another_mode() -> None:
     """A row is looked at in its modes only, and begins to count when one of them begins."""
     back = {
         "name": "still",

@@ -6,17 +6,16 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.command_limits import CommandLimits
-from space_robot_control.laws.base import Blocks, Law
-from space_robot_control.nominal_model import NominalModel
+from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.rates_to_zero import RatesToZero
 from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
-from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
 from space_robot_description.spec import PerJoint, expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
-class Park(Law):
+class Park(RatesToZero):
     """u = s H [-w' v_b, a + w' (r - q') + w'^2/4 (p - q)], w' = w / (1 + w T): base to rest, joints along p, r.
 
     H is the nominal inertia at the state, with the translation eliminated where no force acts on the base; s in (0, 1]
@@ -40,12 +39,9 @@ class Park(Law):
     Deviations from the paper: there is none; this is a law a robot falls back to.
     """
 
-    class Gains(Law.Gains):
+    class Gains(RatesToZero.Gains):
         """Gains of park."""
 
-        rate: PositiveFloat = Field(
-            default=0.5, description="w, how fast rates and errors decay [1/s]", json_schema_extra=DYNAMIC
-        )
         speed: PositiveFloat = Field(default=0.05, description="v, largest joint rate on the path [rad/s or m/s]")
         acceleration: PositiveFloat = Field(
             default=0.01, description="A, largest joint acceleration on the path [rad/s2 or m/s2]"
@@ -65,8 +61,7 @@ class Park(Law):
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
-        self._model, self._limits = NominalModel(robot), CommandLimits(robot)
-        self._first = 3 if robot.base_mode == "free_floating" else 0
+        self._limits = CommandLimits(robot)
         self._posture = self._checked_posture()
         self._path: tuple[Vector, Vector] | None = None
 
