@@ -7,6 +7,8 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from time import monotonic
 from typing import Any
 
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -27,6 +29,9 @@ from space_robot_msgs_py.run_messages import RunBegin, RunEnd, decode_begin, dec
 from space_robot_msgs_py.topics import RUN_BEGIN, RUN_END, Topic
 
 FLUSH_SECONDS = 0.1
+# The end of a run may be heard before its name: topics have no order among each other.
+NAME_SECONDS = 0.5
+MAX_EARLY_ENDS = 16
 # Characters of an error that become the reason of an end: with all else fewer than REASON_BYTES in any alphabet.
 MAX_REASON = 16_000
 
@@ -76,6 +81,10 @@ class GraphNode(Node):  # type: ignore[misc]
         self.failure: Exception | None = None
         self.runs: dict[str, int] = {}
         self.refusals: Counter[str] = Counter()
+        self._early_ends: dict[str, str] = {}
+        self._nameless = self.create_timer(
+            NAME_SECONDS, self._end_without_name, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
+        )
         self._end_publisher = self.publisher(RUN_END)
         self.listen(RUN_BEGIN, self._on_run_begin)
         self.listen(RUN_END, self._on_run_end)
@@ -202,6 +211,8 @@ class GraphNode(Node):  # type: ignore[misc]
         self.runs[begin.run] = begin.number
         if number is not None or (others and self.begun):
             self.begin_again()
+        if begin.run in self._early_ends and self.end_reason is None:
+            self._hear_end(self._early_ends[begin.run])
 
     def _on_run_begin(self, raw: bytes) -> None:
         try:
@@ -217,10 +228,24 @@ class GraphNode(Node):  # type: ignore[misc]
         except LayoutError as error:
             self.refuse(RUN_END, error)
             return
-        if end.run not in self.runs and (end.run or self.begun):
-            self.refuse(RUN_END, f"{end.node} ends the run {end.run or 'without a name'}, which is not this one")
-        elif self.end_reason is None:
+        if self.end_reason is not None:
+            return
+        if end.run in self.runs or (not end.run and not self.begun):
             self._hear_end(end.reason)
+            return
+        if end.run and len(self._early_ends) < MAX_EARLY_ENDS:
+            self._early_ends[end.run] = end.reason
+        if end.run and not self.runs:
+            self._nameless.reset()
+        else:
+            self.refuse(RUN_END, f"{end.node} ends the run {end.run or 'without a name'}, which is not this one")
+
+    def _end_without_name(self) -> None:
+        """A run that was taken part in and never said its name has ended: it is gone, and will not say it any more."""
+        if self.runs or self.end_reason is not None:
+            self._nameless.cancel()
+        elif self.begun:
+            self._hear_end(next(reversed(self._early_ends.values())))
 
     def _hear_end(self, reason: str) -> None:
         self.end_reason = reason
