@@ -11,6 +11,10 @@ from space_robot_msgs_py.errors import LayoutError
 
 # Other nodes than before publish a topic of the run.
 PUBLISHERS = "publishers"
+# States were answered too late for the answers to act, or to be in the log.
+LATE = "late"
+# What a recorder adds to the events of a controller.
+RECORDED = frozenset((PUBLISHERS, LATE))
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,8 +24,9 @@ class ControllerEvent:
     Attributes:
         stamp: of the first command it acts on [ns].
         kind: ``parameters`` (content ``values``: what ``Tunable.tune`` was given), ``switch`` (``from``, ``to``),
-            ``reset`` (of the law, because states passed unanswered), or ``PUBLISHERS`` (``topic``, ``nodes``): the
-            recorder adds it, and it changes no answer.
+            ``reset`` (of the law, because states passed unanswered), ``PUBLISHERS`` (``topic``, ``nodes``) or
+            ``LATE`` (``stamps`` of states that were answered, too late for the answers to be in the log): these two
+            the recorder adds, and they change no answer at their stamp.
         content: plain data.
     """
 

@@ -243,8 +243,9 @@ ACCEPTED_COMMAND = Topic(
     "std_msgs/msg/Float64MultiArray",
     "accepted_command",
     "simulator",
-    "the commands the simulator accepted, as blocks `stamp` [ns], `wrench`, `effort`; only where a node listens, as "
-    "the recorder does once commands have more than one publisher",
+    "the commands the simulator accepted, as blocks `stamp` [ns], `wrench`, `effort`; without numbers: the period of "
+    "the stamp had none; with a block `too_late`: it can act no more. Always in a paced run; in lock-step only where a "
+    "node listens, as the recorder does once commands have more than one publisher",
     recorded=False,
 )
 CLOCK = Topic(

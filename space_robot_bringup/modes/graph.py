@@ -25,7 +25,8 @@ from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.log.writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
-from space_robot_sim.nodes.recorder import AHEAD_BESIDE, AHEAD_IN_ONE_PROCESS, RecorderNode
+from space_robot_sim.nodes.credit import AHEAD_BESIDE, AHEAD_IN_ONE_PROCESS, AHEAD_PACED
+from space_robot_sim.nodes.recorder import RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
 from space_robot_supervisor.nodes.supervisor import SupervisorNode
 
@@ -76,7 +77,8 @@ def make_node(
     optional = {"optional": composition.optional_topics}
     if role == "recorder":
         # Paced, the clock goes on and waits for no log.
-        ahead = AHEAD_IN_ONE_PROCESS if mode == "graph" or realtime is not None else AHEAD_BESIDE
+        ahead = AHEAD_IN_ONE_PROCESS if mode == "graph" else AHEAD_BESIDE
+        ahead = ahead if realtime is None else AHEAD_PACED
         timing |= {"lossless": realtime is None, "ahead": ahead} | optional
         return RecorderNode(_writers(composition, directory, mode), names, **timing, **options)
     if role == "guidance":
@@ -85,7 +87,8 @@ def make_node(
         return _supervisor_node(composition, lossless=realtime is None, **options)
     if role == "controller":
         supervised = composition.experiment.supervision is not None
-        return ControllerNode(composition.controller, names, supervised=supervised, **options)
+        paced = realtime is not None
+        return ControllerNode(composition.controller, names, paced=paced, supervised=supervised, **options)
     timing |= optional
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
@@ -224,7 +227,9 @@ def drain(executor: Any, recorder: RecorderNode, reason: str) -> str:
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
         if recorder.heard != heard:
             heard, quiet_since = recorder.heard, monotonic()
-        elif (reason != "completed" or not recorder.lossless) and monotonic() - quiet_since > QUIET_SECONDS:
+        elif monotonic() - quiet_since > QUIET_SECONDS and (
+            reason != "completed" or not (recorder.lossless or recorder.awaits)
+        ):
             break
     reason = recorder.finish(reason)
     executor.shutdown()

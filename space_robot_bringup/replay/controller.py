@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 
 from space_robot_bringup.compose.supervision import ModeController
 from space_robot_bringup.replay.comparison import Tolerance
@@ -12,8 +13,9 @@ from space_robot_bringup.replay.result import Outcome
 from space_robot_bringup.replay.side import SideReplay
 from space_robot_msgs_py.codec.codecs import decode_events
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
-from space_robot_msgs_py.events import PUBLISHERS, ControllerEvent
+from space_robot_msgs_py.events import LATE, RECORDED, ControllerEvent
 from space_robot_msgs_py.interfaces import Reference, ReferenceSource, RobotState
+from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, topics_of
 
 FAILED = "controller: "
@@ -24,7 +26,8 @@ def replay_controller(recording: Recording, tolerance: Tolerance) -> Outcome:
     """Feed every recorded state and reference to a fresh controller and compare what it says.
 
     A reference that is not in the bag is that of the experiment. A state without a recorded answer passed by while the
-    controller was inactive (in a paced run; else it would have waited): the fresh law is not asked either.
+    controller was inactive (in a paced run; else it would have waited): the fresh law is not asked either, unless the
+    log says that the state was answered too late.
 
     Raises:
         LogError: there is nothing to compare.
@@ -39,9 +42,7 @@ class _ControllerReplay(SideReplay):
         self._supervised = self._law if isinstance(self._law, ModeController) else None
         self._code = other_code(recording)
         self._source: ReferenceSource = self._composition.reference()
-        # Where the recorded law gave up, the state it had no answer to is the last one.
-        failed = self._ended.startswith(FAILED)
-        self._final = max((stamp for stamp, _ in recording.rows()), default=-1) if failed else -1
+        self._unheard, self._final = _answers(recording.rows(), failed=self._ended.startswith(FAILED))
 
     def run(self) -> Outcome:
         self._law.reset()
@@ -73,16 +74,19 @@ class _ControllerReplay(SideReplay):
         except (KeyError, SpaceRobotError) as error:
             return f"the state at {stamp} ns cannot be used ({error}): not compared from there on"
         answered = any(topic.name in parts for topic in topics_of("command"))
-        if not (answered or stamp == self._final):
+        if not (answered or stamp == self._final or stamp in self._unheard):
             self._notes["states have no recorded answer and were not compared"] += 1
             return ""
-        self._ticks += 1
+        self._ticks += answered or stamp not in self._unheard
         self._apply_events(parts)
         self._supervise(stamp, parts)
         try:
             output = self._law.update(state, reference)
         except SpaceRobotError as error:
             return self._failed(stamp, f"{FAILED}{error}", answered)
+        if not answered and stamp in self._unheard:
+            self._notes["states were answered too late for the log, and the answers were not compared"] += 1
+            return ""
         if not answered:
             self._comparison.event("command", stamp, "answer", self._ended, "an answer")
             return ""
@@ -121,7 +125,7 @@ class _ControllerReplay(SideReplay):
     def _events(self, parts: Mapping[str, bytes]) -> tuple[ControllerEvent, ...]:
         raw = parts.get(CONTROLLER_EVENTS.name)
         try:
-            return () if raw is None else tuple(one for one in decode_events(raw) if one.kind != PUBLISHERS)
+            return () if raw is None else tuple(one for one in decode_events(raw) if one.kind not in RECORDED)
         except SpaceRobotError as error:
             self._notes[f"recorded events cannot be read ({error})"] += 1
             return ()
@@ -136,3 +140,34 @@ class _ControllerReplay(SideReplay):
         """The fresh law gave up: as the recorded one did, or not."""
         self._comparison.event("command", stamp, "answer", "an answer" if answered else self._ended, reason)
         return f"the law gives up at {stamp} ns"
+
+
+def _answers(rows: Iterable[Row], *, failed: bool) -> tuple[frozenset[int], int]:
+    """What a log says of answers that are not in it.
+
+    Args:
+        rows: of the log.
+        failed: the recorded law gave up.
+
+    Returns:
+        Stamps of states that were answered too late, and of the one at which the law gave up, the first one behind all
+        that it answered; -1: it did not.
+    """
+    answered, states = -1, list[int]()
+    unheard = set[int]()
+    for stamp, parts in rows:
+        states += [stamp] if failed and BASE_ODOM.name in parts else []
+        if any(topic.name in parts for topic in topics_of("command")):
+            answered = stamp
+        raw = parts.get(CONTROLLER_EVENTS.name)
+        unheard.update(() if raw is None else _too_late(raw))
+    newest = max([answered, *unheard])
+    return frozenset(unheard), next((stamp for stamp in states if stamp > newest), -1)
+
+
+def _too_late(raw: bytes) -> Iterator[int]:
+    with suppress(SpaceRobotError):
+        for event in decode_events(raw):
+            stamps = event.content.get("stamps")
+            if event.kind == LATE and isinstance(stamps, list):
+                yield from (one for one in stamps if isinstance(one, int))

@@ -38,9 +38,13 @@ class ControllerNode(ManagedNode):
     heard as long as the node lives; configured anew in a run it begins with a new law, and keeps the gains that were
     tuned.
 
+    Paced, it answers the newest state that it has heard of: one that is slower than the clock skips states, which is
+    seen in the log, and does not fall behind.
+
     Args:
         make_law: builds the law, each time the node is configured.
         joint_names: the robot's joints in model order.
+        paced: the clock does not wait for answers.
         supervised: a supervisor decides on the mode of every state, and the law is a ``SupervisedController``.
         name: node name.
         options: see ManagedNode.
@@ -51,12 +55,14 @@ class ControllerNode(ManagedNode):
         make_law: Callable[[], Law],
         joint_names: tuple[str, ...],
         *,
+        paced: bool = False,
         supervised: bool = False,
         name: str = "controller",
         **options: Any,
     ) -> None:
         super().__init__(name, **options)
-        self._make_law, self._supervised = make_law, supervised
+        self._make_law, self._supervised, self._paced = make_law, supervised, paced
+        self._due = False
         self._command = CommandCodec(joint_names)
         self._marks = SenderMark(self._command.layouts)
         self._telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
@@ -128,11 +134,23 @@ class ControllerNode(ManagedNode):
         return found.stamp
 
     def _take_in(self, state: RobotState, reference: Reference, beside: tuple[bytes, ...]) -> None:
-        if self.active:
+        if self.active and not self._paced:
             self._answer(state, reference, beside)
             return
-        self._passed_by = self._passed_by or self._waiting is not None
+        self._passed_by = self._passed_by or (self._waiting is not None and not self.active)
         self._waiting = state, reference, beside
+        if self.active and not self._due:
+            # Behind all messages that are here already.
+            self._due = True
+            self.executor.create_task(self._answer_newest)
+
+    def _answer_newest(self) -> None:
+        self._due = False
+        try:
+            if self.active and self._waiting is not None and self.end_reason is None:
+                self._answer(*self._waiting)
+        except Exception as error:
+            self.fail(error)
 
     def _answer(self, state: RobotState, reference: Reference, beside: tuple[bytes, ...]) -> None:
         self._waiting = None

@@ -1,5 +1,6 @@
 """Every codec under one roof: values, texts and raw messages to and from canonical bytes."""
 
+from space_robot_msgs_py.codec.accepted import Accepted, AcceptedCodec
 from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses, encode_tick_statuses, says_none
 from space_robot_msgs_py.codec.supervision import SupervisionCodec
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
@@ -24,6 +25,8 @@ from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, State
 
 __all__ = [
     "LOGGED",
+    "Accepted",
+    "AcceptedCodec",
     "CommandCodec",
     "ReferenceCodec",
     "StateCodec",

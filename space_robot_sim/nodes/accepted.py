@@ -1,39 +1,38 @@
-"""Which commands the simulator accepted: what a recorder must know once more than one node commands."""
+"""Which commands the simulator accepted: what others must know where the graph alone does not tell."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Sequence
 
-import numpy.typing as npt
-
-from space_robot_msgs_py.codec.codecs import TelemetryCodec
-from space_robot_msgs_py.interfaces import Command, Telemetry
+from space_robot_msgs_py.codec.codecs import Accepted, AcceptedCodec
+from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import ACCEPTED_COMMAND
 
 # More than a simulator may be ahead of its recorder.
 KEPT = 512
-NOTHING: Mapping[str, npt.ArrayLike] = {"wrench": (), "effort": ()}
 
 
 class AcceptedCommands:
-    """Remembers the newest accepted commands, and publishes them from the moment a node listens.
+    """Remembers the newest accepted commands, and publishes them.
 
-    Where one node commands no other knows more than it, and nothing is published. Two recorders of two publishers may
-    hear them in different orders: what acted is then known to the simulator alone.
+    In lock-step from the moment a node listens: where one node commands no other knows more than it. Two recorders of
+    two publishers may hear them in different orders: what acted is then known to the simulator alone. In a paced run
+    always, with one message at least for every period: who has heard of a period knows all that was accepted before.
 
     Args:
         node: the node to publish on.
+        always: in a paced run.
     """
 
-    def __init__(self, node: GraphNode) -> None:
+    def __init__(self, node: GraphNode, *, always: bool = False) -> None:
         self._publisher = node.publisher(ACCEPTED_COMMAND)
         # Of the handle itself: it is asked at every tick.
         self._count = self._publisher.handle.get_subscription_count
-        self._codec = TelemetryCodec(ACCEPTED_COMMAND)
+        self._codec = AcceptedCodec()
         self._kept: OrderedDict[int, tuple[Command | None, Sequence[bytes]]] = OrderedDict()
-        self._listened = False
+        self._listened = always
 
     def clear(self) -> None:
         """Forget all of a run that is over."""
@@ -47,6 +46,20 @@ class AcceptedCommands:
         """There was no command that could be used, and the plant holds from this stamp [ns] on."""
         self._keep(stamp, None, ())
 
+    def pass_by(self, stamp: int) -> None:
+        """Paced: the period that began at this stamp [ns] is over without its command, which may still come."""
+        self._publish(Accepted(stamp, None))
+
+    def add_too_late(self, command: Command, parts: Sequence[bytes]) -> None:
+        """Paced: a command that can act no more, of which a replay has to know that its state was answered."""
+        self._remember(command.stamp, command, parts)
+        self._publish(Accepted(command.stamp, command, too_late=True))
+
+    @property
+    def kept(self) -> Collection[int]:
+        """Stamps of the newest states whose commands are known [ns]."""
+        return self._kept.keys()
+
     def parts(self, stamp: int) -> Sequence[bytes] | None:
         """The messages of the command accepted for a stamp [ns]; empty: none could be used; None: not known."""
         kept = self._kept.get(stamp)
@@ -57,16 +70,18 @@ class AcceptedCommands:
         if not self._listened and self._count() > 0:
             self._listened = True
             for stamp, (command, _) in self._kept.items():
-                self._publish(stamp, command)
+                self._publish(Accepted(stamp, command))
 
     def _keep(self, stamp: int, command: Command | None, parts: Sequence[bytes]) -> None:
         if self._listened:
-            self._publish(stamp, command)
+            self._publish(Accepted(stamp, command))
+        self._remember(stamp, command, parts)
+        self.look()
+
+    def _remember(self, stamp: int, command: Command | None, parts: Sequence[bytes]) -> None:
         self._kept[stamp] = command, parts
         if len(self._kept) > KEPT:
             self._kept.popitem(last=False)
-        self.look()
 
-    def _publish(self, stamp: int, command: Command | None) -> None:
-        blocks = NOTHING if command is None else {"wrench": command.wrench, "effort": command.effort}
-        self._publisher.publish(self._codec.encode(Telemetry.of(stamp, blocks))[0])
+    def _publish(self, said: Accepted) -> None:
+        self._publisher.publish(self._codec.encode(said))

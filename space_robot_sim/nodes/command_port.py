@@ -18,7 +18,8 @@ from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import Topic
 from space_robot_sim.nodes.accepted import AcceptedCommands
 
-JOIN_CAPACITY = 64
+# After a stall all wrenches may come before the first effort.
+JOIN_CAPACITY = 1024
 # Marks that are looked up in the graph; more are no marks.
 MAX_SENDERS = 64
 # How long a controller that answered with what cannot be used is given to answer again; of the steady clock.
@@ -39,13 +40,22 @@ class CommandPort:
         node: the node to subscribe on.
         joint_names: names a joint command must carry, in this order.
         on_answer: called when the awaited stamp has its answer.
-        keep_late: a valid command that comes too late may still be run when nothing newer is there (paced runs).
+        keep_late: for so many periods an answer that is late may still be run where nothing newer is there (paced
+            runs); 0: none is.
+        period: control period [ns].
     """
 
     def __init__(
-        self, node: GraphNode, joint_names: tuple[str, ...], on_answer: Callable[[], None], *, keep_late: bool
+        self,
+        node: GraphNode,
+        joint_names: tuple[str, ...],
+        on_answer: Callable[[], None],
+        *,
+        period: int,
+        keep_late: int = 0,
     ) -> None:
-        self._node, self._on_answer, self._keep_late = node, on_answer, keep_late
+        self._node, self._on_answer = node, on_answer
+        self._period, self._keep_late = period, keep_late * period
         self._codec = CommandCodec(joint_names)
         self._marks = SenderMark(self._codec.layouts)
         # By the mark of the sender; what has none of a publisher of commands is joined among itself.
@@ -56,7 +66,7 @@ class CommandPort:
         )
         self.counts: Counter[str] = Counter()
         self._logged: set[str] = set()
-        self.accepted = AcceptedCommands(node)
+        self.accepted = AcceptedCommands(node, always=keep_late > 0)
         self.restart()
         self._readers = [self._listen_part(index, topic) for index, topic in enumerate(self._codec.topics)]
 
@@ -80,6 +90,7 @@ class CommandPort:
         if self.answered:
             return self._answer
         self.counts["missed"] += 1
+        self.accepted.pass_by(self._awaited)
         late, self._newest = self._newest, None
         return late
 
@@ -106,7 +117,7 @@ class CommandPort:
                 return
             joined = self._joiner(mark).add(index, stamp, (raw, blocks))
             if joined is not None:
-                self._take_in(stamp, joined)
+                self._take_in(stamp, joined, mark)
 
         return self._node.listen(topic, on_part)
 
@@ -136,7 +147,7 @@ class CommandPort:
             return False
         self.counts["late"] += 1
         known = self.accepted.parts(stamp)
-        if self._keep_late and known is None:
+        if self._keep_late and known is None and stamp >= 0 and stamp % self._period == 0:
             return True
         # What is delivered twice, or answered twice alike, is refused without a word: nothing is lost with it.
         again = known is not None and raw in known
@@ -145,11 +156,17 @@ class CommandPort:
         self._refuse("stale", topic, why, mark, loud=not again)
         return False
 
-    def _take_in(self, stamp: int, parts: Sequence[tuple[bytes, Sequence[bytes]]]) -> None:
+    def _take_in(self, stamp: int, parts: Sequence[tuple[bytes, Sequence[bytes]]], mark: bytes) -> None:
         command = self._codec.join(stamp, [blocks for _, blocks in parts])
         if stamp == self._awaited and self.answered:
             return
-        self.accepted.add(command, tuple([raw for raw, _ in parts]))
+        raws = tuple([raw for raw, _ in parts])
+        if self._awaited - stamp > self._keep_late:
+            self.accepted.add_too_late(command, raws)
+            why = f"stamp {stamp} ns is too old for the state at {self._awaited} ns"
+            self._refuse("stale", self._codec.topics[0], why, mark)
+            return
+        self.accepted.add(command, raws)
         if stamp == self._awaited:
             self._answer, self.answered = command, True
             self._on_answer()

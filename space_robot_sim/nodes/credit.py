@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from space_robot_msgs_py.codec.codecs import decode_clock
+from space_robot_msgs_py.codec.codecs import decode_clock, encode_clock
 from space_robot_msgs_py.errors import CommandError, LayoutError
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import RECORDER_CREDIT
 
-# A recorder gives no credit for more ticks than this beyond the state that it may have heard.
-MAX_AHEAD = 256
+# A recorder gives no credit for more ticks than this beyond the state that it may have heard; its queues hold more.
+MAX_AHEAD = 800
+# The simulator may be so many ticks ahead of what is on the disk. Where the recorder can die alone, no further than the
+# tick that is being recorded, or what it had heard would be lost with it.
+AHEAD_IN_ONE_PROCESS, AHEAD_BESIDE = 256, 0
+# Paced, ticks wait for their commands, and credit is given by halves.
+AHEAD_PACED = MAX_AHEAD
 
 
 class Credit:
@@ -66,3 +71,28 @@ class Credit:
             return False
         self.until = until
         return True
+
+
+class CreditGiver:
+    """Gives credit for a run, by halves, so that nothing waits for it.
+
+    Args:
+        node: the recorder.
+        period: control period [ns].
+        ahead: ticks that the simulator may be ahead of the log.
+    """
+
+    def __init__(self, node: GraphNode, period: int, ahead: int) -> None:
+        self._period, self._ahead, self._given = period, ahead, -1
+        self._publisher = node.publisher(RECORDER_CREDIT)
+
+    def give(self, next_stamp: int) -> None:
+        """All ticks before this stamp [ns] are in the log."""
+        reach = next_stamp + self._ahead * self._period
+        if reach >= self._given + self._ahead // 2 * self._period:
+            self._given = reach
+            self._publisher.publish(encode_clock(reach))
+
+    def restart(self) -> None:
+        """A new run begins with its smallest credit."""
+        self._given = -1

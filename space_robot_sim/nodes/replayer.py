@@ -76,7 +76,7 @@ class ReplayerNode(GraphNode):
             self._description_publisher.publish(encode_string(urdf))
         self.index = 0
         self._gate = StepGate(paused=paused)
-        self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=False) if rate is None else None
+        self.commands = CommandPort(self, joint_names, self._on_answer, period=period) if rate is None else None
         self.pacer = None if rate is None else Pacer(self, period / rate, self._on_period)
         self._steering = RunServices(self)
         self._run = RunBegin(uuid4().hex[:16], -1)

@@ -26,6 +26,7 @@ from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import RunServices, StepGate
+from space_robot_sim.nodes.tick_parts import MAX_LATE
 from space_robot_sim.nodes.transforms import TransformPublisher
 
 
@@ -37,8 +38,8 @@ class SimulatorNode(ManagedNode):
     further ahead of it than its credit, so that nothing is lost.
 
     Paced (``realtime`` given): the steady clock advances the plant, a period without a command is run with the newest
-    valid one or the plant's hold, and both are counted. The factor is the dynamic parameter ``realtime``. It waits
-    for a recorder that does not keep up.
+    valid one, at most ``MAX_LATE`` periods old, or the plant's hold, and both are counted. The factor is the dynamic
+    parameter ``realtime``. It waits for a recorder that does not keep up.
 
     Deactivated, time stands still; after cleanup the plant is built anew and the run starts again. Every start is
     announced on ``run_begin``, and a recorder gives new credit for it: what the run before was given counts no more.
@@ -88,7 +89,8 @@ class SimulatorNode(ManagedNode):
         # What comes while it is not configured is heard: nothing is sent twice.
         self._begin_publisher = self.publisher(RUN_BEGIN)
         self._credit = Credit(self)
-        self.commands = CommandPort(self, joint_names, self._on_answer, keep_late=realtime is not None)
+        keep_late = 0 if realtime is None else MAX_LATE
+        self.commands = CommandPort(self, joint_names, self._on_answer, period=period, keep_late=keep_late)
         self.listen(RECORDER_CREDIT, self._on_credit)
         self.keep()
 

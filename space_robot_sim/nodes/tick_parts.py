@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from space_robot_msgs_py.codec.codecs import LOGGED
-from space_robot_msgs_py.topics import BASE_ODOM, PLANT_TELEMETRY, Topic, topics_of
+from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_TELEMETRY, PLANT_TELEMETRY, Topic, topics_of
 
-# Paced, so many ticks later nothing is waited for.
-WINDOW = 50
+# Paced, answers to states that are so many ticks older do not act, and so much later a recorder waits for none.
+MAX_LATE = 50
 # References of a run that begins again are kept for so many ticks before this is heard.
 EARLY = 64
 COMMANDS = frozenset(topics_of("command"))
@@ -29,28 +29,35 @@ class TickParts:
     Args:
         period: control period [ns].
         steps: number of periods of the run.
+        paced: not every stamp has an answer.
 
     Attributes:
         next: stamp of the tick that is to be written next [ns].
         reached: stamp of the newest state [ns]; -1: none.
         expected: topics that a complete tick has.
-        contested: more than one node commands: commands of the graph do not count, but what the simulator accepted.
+        contested: more than one node commands, or the run is paced: commands of the graph do not count, but what the
+            simulator accepted.
+        decided: paced, stamp of the newest period of which the simulator said what it did with its command [ns]; what
+            it accepted before is known, for it says so in order.
     """
 
-    def __init__(self, period: int, steps: int) -> None:
-        self._period, self._last = period, steps * period
+    def __init__(self, period: int, steps: int, *, paced: bool = False) -> None:
+        self._period, self._last, self._paced = period, steps * period, paced
         self.expected = {topic for topic in LOGGED if not (topic.sporadic or topic.optional)}
-        self.contested = self._again = False
+        self.contested, self._again = paced, False
         self._early: dict[int, Parts] = {}
         self._pending: dict[int, Parts] = {}
         # What gives way to the next message of its topic and stamp.
         self._provisional: set[tuple[Topic, int]] = set()
+        # Topics that were waited for long enough; one that comes after all is waited for again.
+        self._given_up: set[Topic] = set()
         self._restart()
 
     def _restart(self) -> None:
-        self.next, self.reached, self._doubted = 0, -1, -1
+        self.next, self.reached, self._doubted, self.decided = 0, -1, -1, -1
         # Stamps of ticks without a command, for which the plant holds.
         self._held: set[int] = set()
+        self._newest: dict[Topic, int] = {}
 
     def begin_again(self) -> None:
         """A new run; of the one before only references are kept, which are functions of time and may be sent early."""
@@ -70,6 +77,8 @@ class TickParts:
         Returns:
             Why it is refused; empty: it is taken, and the next tick may be complete now; None: it is taken.
         """
+        if self._paced:
+            self._follow(topic, stamp)
         parts = self._pending.get(stamp)
         if parts is None:
             if stamp % self._period or not 0 <= stamp <= self._last:
@@ -93,6 +102,11 @@ class TickParts:
         """The tick of this stamp [ns] has no command."""
         self._held.add(stamp)
 
+    def decide(self, stamp: int) -> None:
+        """The simulator has said what it did with the command of the period that begins at this stamp [ns]."""
+        if stamp <= self._last:
+            self.decided = max(self.decided, stamp)
+
     def contest(self) -> None:
         """From now on only commands that the simulator accepted are given to ``take``."""
         self.contested = True
@@ -107,9 +121,28 @@ class TickParts:
             self.expected - COMMANDS if self.next in self._held else self.expected
         )
 
-    def over(self) -> bool:
-        """Whether the next tick is so old that nothing more of it comes, in a run that waits for no message."""
-        return self.reached >= self.next + WINDOW * self._period
+    def missing(self) -> set[Topic]:
+        """Paced: what the next tick lacks and may still get, everything where the plant is not there yet.
+
+        The messages of a topic come in the order of their stamps, so what has one for a later tick has none for this.
+        The telemetry of a controller comes with an answer, and the answer as long as it may act.
+        """
+        return self._missing(self.next) if self.reached >= self.next else set(self.expected)
+
+    def awaited(self) -> set[Topic]:
+        """Paced: what any tick lacks that the plant reached, or everything where it has reached none that is left."""
+        stamps = range(self.next, self.reached + 1, self._period)
+        return set().union(*map(self._missing, stamps)) if stamps or self.next > self._last else self.missing()
+
+    def _missing(self, stamp: int) -> set[Topic]:
+        parts = self._pending.get(stamp, {})
+        lacks = {topic for topic in self.expected - parts.keys() if self._newest.get(topic, -1) <= stamp}
+        if not parts.keys() >= COMMANDS:
+            lacks.discard(CONTROLLER_TELEMETRY)
+        # Of commands the simulator says it, or time.
+        horizon = stamp + MAX_LATE * self._period
+        may_come = self.decided <= horizon if self.contested else self.reached < horizon
+        return (lacks - COMMANDS) | (self.expected & COMMANDS - parts.keys() if may_come else set())
 
     def pop(self) -> tuple[int, Parts]:
         """Stamp [ns] and messages of the next tick, which is then the one after it."""
@@ -120,6 +153,12 @@ class TickParts:
         if self._provisional:
             self._provisional.difference_update((topic, stamp) for topic in parts)
         return stamp, parts
+
+    def give_up(self) -> None:
+        """Wait no more for what the next tick lacks, until it comes."""
+        lost = self.missing() - COMMANDS
+        self.expected -= lost
+        self._given_up |= lost
 
     def rest(self) -> list[tuple[int, Parts]]:
         """What there is of ticks that the plant reached and that are not written, in order; the run is over."""
@@ -134,6 +173,13 @@ class TickParts:
         if topic.kind == "reference" and stamp < EARLY * self._period:
             self._early.setdefault(stamp, {})[topic] = data
         return None
+
+    def _follow(self, topic: Topic, stamp: int) -> None:
+        if topic in self._given_up:
+            self._given_up.discard(topic)
+            self.expected.add(topic)
+        if stamp <= self._last:
+            self._newest[topic] = max(stamp, self._newest.get(topic, -1))
 
     def _is_early(self, topic: Topic, stamp: int, parts: Parts) -> bool:
         """Whether a message is there before that of the run should be; topics have no order, so it may be that one."""
@@ -154,6 +200,7 @@ class TickParts:
             # Answers of the run before that came after its end.
             self._again = False
             self._held.clear()
+            self.decided = -1
             for other in [other for other in self._pending if other > stamp]:
                 parts = self._pending[other]
                 self._pending[other] = {topic: data for topic, data in parts.items() if topic.kind not in ANSWERS}

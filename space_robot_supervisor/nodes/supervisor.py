@@ -9,6 +9,7 @@ from typing import Any
 from std_srvs.srv import Trigger
 
 from space_robot_msgs_py.codec.codecs import (
+    AcceptedCodec,
     CommandCodec,
     SupervisionCodec,
     TelemetryCodec,
@@ -25,6 +26,7 @@ from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.nodes.tick_inputs import JOIN_CAPACITY, TickInputs
 from space_robot_msgs_py.topics import (
+    ACCEPTED_COMMAND,
     CONTROLLER_TELEMETRY,
     EVENTS,
     HOUSEKEEPING,
@@ -41,8 +43,9 @@ class SupervisorNode(ManagedNode):
     """Joins state and reference of equal stamp, lets the supervisor decide, publishes events, housekeeping and mode.
 
     In lock-step it waits for the controller's answer to the state before, too, so that what it knows does not depend
-    on who was faster; paced, it takes the newest one. Commands of the ground are services of std_srvs/Trigger,
-    ``~/standby``, ``~/nominal``, ``~/hold``, ``~/safe`` and ``~/stop``: answered at once, in force at the next tick.
+    on who was faster; paced, it takes the newest one that the simulator accepted, which is in the log. Commands of the
+    ground are services of std_srvs/Trigger, ``~/standby``, ``~/nominal``, ``~/hold``, ``~/safe`` and ``~/stop``:
+    answered at once, in force at the next tick.
 
     Deactivated it decides nothing, and the controller, which waits for it, answers nothing: a lock-step run stands
     still, a paced one goes on in the plant's hold.
@@ -83,7 +86,9 @@ class SupervisorNode(ManagedNode):
         self._waiting: Waiting | None = None
         self._answer: ControlOutput | None = None
         self._inputs = TickInputs(self, joint_names, self._take_in, [(PLANT_EVENTS, peek_stamp)] if monitored else [])
-        answers = (*self._command.topics, *([CONTROLLER_TELEMETRY] if telemetry else []))
+        self._accepted = AcceptedCodec()
+        commands = self._command.topics if lossless else (ACCEPTED_COMMAND,)
+        answers = (*commands, *([CONTROLLER_TELEMETRY] if telemetry else []))
         self._answers: StampJoiner[Any] = StampJoiner(len(answers), JOIN_CAPACITY, once=False)
         for index, topic in enumerate(answers):
             self._listen_answer(index, topic)
@@ -120,28 +125,33 @@ class SupervisorNode(ManagedNode):
     def _listen_answer(self, index: int, topic: Topic) -> None:
         def on_part(raw: bytes) -> None:
             try:
-                if topic is CONTROLLER_TELEMETRY:
-                    part: Any = self._telemetry.decode((raw,))
-                    stamp = part.stamp
-                else:
-                    raw = self._marks.remove(index, raw)
-                    stamp = self._command.peek(index, raw)
-                    part = self._command.finite_blocks(index, raw)
+                stamp, part = self._read_answer(index, topic, raw)
             except SpaceRobotError as error:
                 self.refuse(topic, error)
                 return
-            joined = self._answers.add(index, stamp, part)
+            joined = None if part is None else self._answers.add(index, stamp, part)
             if joined is not None:
                 self._take_answer(stamp, joined)
 
         self.listen(topic, on_part)
 
+    def _read_answer(self, index: int, topic: Topic, raw: bytes) -> tuple[int, Any]:
+        """Stamp [ns] and content of a part of an answer; None where it is none."""
+        if topic is CONTROLLER_TELEMETRY:
+            telemetry = self._telemetry.decode((raw,))
+            return telemetry.stamp, telemetry
+        if topic is ACCEPTED_COMMAND:
+            said = self._accepted.decode(raw)
+            return said.stamp, None if said.too_late else said.command
+        raw = self._marks.remove(index, raw)
+        return self._command.peek(index, raw), self._command.finite_blocks(index, raw)
+
     def _take_answer(self, stamp: int, parts: Sequence[Any]) -> None:
         if stamp > self._heard:
             # An answer to a state that was not heard: of the run before.
             return
-        command = self._command.join(stamp, parts[:2])
-        telemetry = parts[2] if len(parts) > 2 else Telemetry.of(stamp, {})
+        command = self._command.join(stamp, parts[:2]) if self._lossless else parts[0]
+        telemetry = parts[-1] if isinstance(parts[-1], Telemetry) else Telemetry.of(stamp, {})
         if self._answer is None or stamp > self._answer.command.stamp:
             self._answer = ControlOutput(command, telemetry)
         self._decide()

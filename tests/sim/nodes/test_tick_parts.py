@@ -13,7 +13,7 @@ from space_robot_msgs_py.topics import (
     REFERENCE_BASE,
     Topic,
 )
-from space_robot_sim.nodes.tick_parts import COMMANDS, WINDOW, TickParts
+from space_robot_sim.nodes.tick_parts import COMMANDS, MAX_LATE, TickParts
 
 PERIOD, STEPS = 10, 6
 # In the order in which the nodes of a run send them.
@@ -86,13 +86,14 @@ def test_after_its_time_the_first_message_stays_and_the_other_is_refused() -> No
 def test_a_state_that_does_not_follow_moves_no_window() -> None:
     """In a paced run a single sample far ahead ends no tick; two in a row, after states were lost, do."""
     samples = [topic for topic in TOPICS if topic.kind in ("state", "plant_telemetry")]
-    parts = TickParts(PERIOD, 1000)
+    parts = TickParts(PERIOD, 1000, paced=True)
+    parts.contested = False
     for tick in (0, 500):
         feed(parts, [(topic, tick * PERIOD) for topic in samples])
-    assert not parts.over()
+    assert parts.missing() >= COMMANDS
     feed(parts, [(topic, 501 * PERIOD) for topic in samples])
-    assert parts.over()
-    assert parts.reached > WINDOW * PERIOD
+    assert not parts.missing() & COMMANDS
+    assert parts.reached > MAX_LATE * PERIOD
 
 
 @quick
@@ -127,3 +128,72 @@ def test_contested_commands_are_those_that_are_given_afterwards() -> None:
     parts.hold(PERIOD)
     assert parts.complete()
     assert not COMMANDS & parts.pop()[1].keys()
+
+
+def paced(ticks: int = 1000) -> TickParts:
+    """Of a paced run: commands count as the simulator accepted them."""
+    parts = TickParts(PERIOD, ticks, paced=True)
+    feed(parts, [(topic, tick * PERIOD) for topic in TOPICS if topic.kind == "reference" for tick in range(200)])
+    return parts
+
+
+def reach(parts: TickParts, ticks: range, *, decide: bool = True) -> None:
+    """States without answers; the simulator says of each that its period is over."""
+    for tick in ticks:
+        feed(parts, [(topic, tick * PERIOD) for topic in TOPICS if topic.kind in ("state", "plant_telemetry")])
+        if decide:
+            parts.decide(tick * PERIOD)
+
+
+def test_a_paced_tick_waits_until_its_command_can_come_no_more() -> None:
+    """However far the plant is, the simulator has to have said that it accepts no answer to that state."""
+    parts = paced()
+    reach(parts, range(MAX_LATE + 20), decide=False)
+    assert parts.missing() == COMMANDS
+    parts.decide(MAX_LATE * PERIOD)
+    assert parts.missing() == COMMANDS
+    parts.decide((MAX_LATE + 1) * PERIOD)
+    assert not parts.missing()
+
+
+def test_a_late_command_is_in_the_tick_of_its_state() -> None:
+    """It waits with its tick for its telemetry, however late; a tick without a command waits for none."""
+    parts = paced()
+    reach(parts, range(MAX_LATE + 1))
+    feed(parts, [(topic, 0) for topic in COMMANDS])
+    reach(parts, range(MAX_LATE + 1, 3 * MAX_LATE))
+    assert parts.missing() == {CONTROLLER_TELEMETRY}
+    feed(parts, [(CONTROLLER_TELEMETRY, 0)])
+    # Complete, it was taken out.
+    assert parts.next == PERIOD
+    assert not parts.missing()
+
+
+def test_a_topic_with_a_later_message_has_none_for_this_tick() -> None:
+    """What comes in order and is ahead of a tick has left it out; what is behind may be under way."""
+    parts = paced()
+    reach(parts, range(2))
+    feed(parts, [(topic, tick * PERIOD) for topic in COMMANDS for tick in range(2)])
+    assert parts.missing() == {CONTROLLER_TELEMETRY}
+    feed(parts, [(CONTROLLER_TELEMETRY, PERIOD)])
+    assert not parts.missing()
+
+
+def test_what_is_given_up_is_waited_for_again_when_it_comes() -> None:
+    """A controller without telemetry delays the log once; one that has some later is waited for."""
+    parts = paced()
+    reach(parts, range(3))
+    feed(parts, [(topic, tick * PERIOD) for topic in COMMANDS for tick in range(3)])
+    parts.give_up()
+    assert not parts.missing()
+    assert parts.expected >= COMMANDS
+    parts.pop()
+    feed(parts, [(CONTROLLER_TELEMETRY, PERIOD)])
+    assert CONTROLLER_TELEMETRY in parts.expected
+
+
+def test_a_stamp_beyond_the_run_decides_nothing() -> None:
+    """What no simulator says of this run must not end the wait."""
+    parts = paced(100)
+    parts.decide(101 * PERIOD)
+    assert parts.decided == -1
