@@ -14,15 +14,14 @@ from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.values import PartsCodec
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import Telemetry
-from space_robot_msgs_py.qos import qos_of
+from space_robot_msgs_py.qos import Qos
 from space_robot_msgs_py.topics import Topic
 
 V = TypeVar("V")
 
 
-def qos(topic: Topic) -> QoSProfile:
-    """The quality of service of a row of the table, for publishers and subscriptions alike."""
-    offer = qos_of(topic)
+def qos(offer: Qos) -> QoSProfile:
+    """A quality of service as rclpy has it."""
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST,
         depth=offer.depth,

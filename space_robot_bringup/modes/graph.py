@@ -75,9 +75,9 @@ def make_node(
         options["steered"] = mode != "graph"
     timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
     optional = {"optional": composition.optional_topics}
+    # Paced, the clock goes on and waits for no log.
+    ahead = AHEAD_IN_ONE_PROCESS if mode == "graph" else AHEAD_BESIDE
     if role == "recorder":
-        # Paced, the clock goes on and waits for no log.
-        ahead = AHEAD_IN_ONE_PROCESS if mode == "graph" else AHEAD_BESIDE
         ahead = ahead if realtime is None else AHEAD_PACED
         timing |= {"lossless": realtime is None, "ahead": ahead} | optional
         return RecorderNode(_writers(composition, directory, mode), names, **timing, **options)
@@ -89,7 +89,7 @@ def make_node(
         supervised = composition.experiment.supervision is not None
         paced = realtime is not None
         return ControllerNode(composition.controller, names, paced=paced, supervised=supervised, **options)
-    timing |= optional
+    timing |= optional | {"ahead": ahead}
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )

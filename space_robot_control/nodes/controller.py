@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import Any, cast
 
 from rclpy.duration import Duration
+from rclpy.publisher import Publisher
 from std_srvs.srv import Trigger
 
 from space_robot_control.laws.base import Law
@@ -18,7 +19,6 @@ from space_robot_msgs_py.codec.codecs import CommandCodec, SupervisionCodec, Tel
 from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState, SupervisedController
-from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.nodes.tick_inputs import TickInputs
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, SUPERVISOR_MODE, WRENCH_COMMAND
@@ -71,7 +71,9 @@ class ControllerNode(ManagedNode):
         self._waiting: tuple[RobotState, Reference, tuple[bytes, ...]] | None = None
         self._modes = SupervisionCodec()
         beside = [(SUPERVISOR_MODE, self._read_mode)] if supervised else []
-        self._inputs = TickInputs(self, joint_names, self._take_in, beside)
+        self._inputs = TickInputs(self, joint_names, self._take_in, beside, self._answer_again)
+        # The newest answer, and whom it was given by.
+        self._said: tuple[int, list[tuple[Publisher, bytes]]] = -1, []
         self.keep()
 
     @property
@@ -111,8 +113,13 @@ class ControllerNode(ManagedNode):
         if self._waiting is not None:
             self._answer(*self._waiting)
 
+    def begin_again(self) -> None:
+        """The first state comes again."""
+        self._inputs.forget()
+
     def cleanup(self) -> None:
         """Forget the law."""
+        self._said = -1, []
         del self._law, self._health
 
     def retune(self, changes: dict[str, Any]) -> None:
@@ -173,17 +180,27 @@ class ControllerNode(ManagedNode):
         return round(stamp / (self._law.control_period * NANOSECONDS))
 
     def _send(self, output: ControlOutput) -> None:
+        telemetry = self._telemetry.encode(output.telemetry)[0]
+        command = self._marks.put(self._command.encode(output.command), self._mark)
+        said = [(self._telemetry_publisher, telemetry), *zip(self._command_publishers, command, strict=True)]
+        self._said = output.command.stamp, said
         if output.events:
             self._event_publisher.publish(encode_events(output.events))
             # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.
             self._event_publisher.wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
         # Telemetry first: when the plant has stepped, everything that belongs to the step before is on its way.
-        self._telemetry_publisher.publish(self._telemetry.encode(output.telemetry)[0])
-        publish_all(self._command_publishers, self._marks.put(self._command.encode(output.command), self._mark))
+        for publisher, raw in said:
+            publisher.publish(raw)
         if output.events:
             self._show_active()
             for event in output.events:
                 self.get_logger().info(event.line)
+
+    def _answer_again(self, stamp: int) -> None:
+        """A state that was answered waits still: the answer was lost on a node that did not hear this one yet."""
+        if self.active and stamp == self._said[0]:
+            for publisher, raw in self._said[1]:
+                publisher.publish(raw)
 
     def _show_active(self) -> None:
         if isinstance(self._law, Switching):

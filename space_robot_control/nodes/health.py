@@ -8,6 +8,7 @@ from space_robot_control.laws.base import Law
 from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.diagnostics import Diagnostics
+from space_robot_msgs_py.nodes.reasons import RecentCounts
 
 DIAGNOSTICS_PERIOD = 1.0
 
@@ -21,7 +22,7 @@ class ControllerHealth:
     """
 
     def __init__(self, node: GraphNode, law: Law) -> None:
-        self._refusals = node.refusals
+        self._refusals, self._reasons, self._recent = node.refusals, node.reasons, RecentCounts()
         self._law, self._diagnostics = law, Diagnostics(node, "flight software")
         self._since, self._answers, self._total, self._longest = perf_counter(), 0, 0.0, 0.0
 
@@ -51,9 +52,10 @@ class ControllerHealth:
             "longest_over_period": self._longest / period,
         }
         answers |= {f"refused_{name}": float(count) for name, count in sorted(self._refusals.items())}
+        answers |= self._reasons.values()
         warnings = [
             *(["slower than its period"] if late else []),
-            *(f"refused {name}" for name in sorted(self._refusals)),
+            *(f"refused {name}" for name in self._recent.grown(self._refusals)),
         ]
         statuses = [self._diagnostics.status("law", warnings, "within its period", answers)]
         if health := law.health():

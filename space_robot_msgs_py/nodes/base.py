@@ -13,6 +13,7 @@ from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSPolicyKind
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.task import Future
@@ -22,8 +23,10 @@ from space_robot_msgs_py.codec.sender_mark import mark_of
 from space_robot_msgs_py.errors import LayoutError, SpecError, shortened
 from space_robot_msgs_py.escapes import visible
 from space_robot_msgs_py.nodes.parameters import NodeParameters
+from space_robot_msgs_py.nodes.reasons import Reasons
 from space_robot_msgs_py.nodes.replies import Replies
 from space_robot_msgs_py.parameters import ParameterRow
+from space_robot_msgs_py.qos import Qos, asked_of, qos_of
 from space_robot_msgs_py.ros import message_class, qos
 from space_robot_msgs_py.run_messages import RunBegin, RunEnd, decode_begin, decode_end, encode_end
 from space_robot_msgs_py.topics import RUN_BEGIN, RUN_END, Topic
@@ -32,6 +35,12 @@ FLUSH_SECONDS = 0.1
 # The end of a run may be heard before its name: topics have no order among each other.
 NAME_SECONDS = 0.5
 MAX_EARLY_ENDS = 16
+OVERRIDABLE = (
+    QoSPolicyKind.HISTORY,
+    QoSPolicyKind.DEPTH,
+    QoSPolicyKind.RELIABILITY,
+    QoSPolicyKind.DURABILITY,
+)
 # Characters of an error that become the reason of an end: with all else fewer than REASON_BYTES in any alphabet.
 MAX_REASON = 16_000
 
@@ -48,6 +57,7 @@ class GraphNode(Node):  # type: ignore[misc]
         failure: the exception that stopped this node.
         runs: the runs this node takes part in and how often each was reset, by name; normally there is one.
         refusals: how many messages were refused, by topic.
+        reasons: why.
         parameters: what it shows of itself.
         replies: those of its services.
 
@@ -55,7 +65,8 @@ class GraphNode(Node):  # type: ignore[misc]
         name: node name.
         context: the rclpy context to live in; None is the default context.
         rows: its parameters.
-        overridable: history, depth and reliability of every topic are parameters that may be given at the start.
+        overridable: history, depth, reliability and durability of every topic are parameters that may be given at the
+            start.
         options: further keyword arguments of rclpy.node.Node, e.g. ``namespace``.
     """
 
@@ -73,7 +84,7 @@ class GraphNode(Node):  # type: ignore[misc]
         super().__init__(name, context=context, **options)
         self.replies.start(self)
         self._readers: dict[Topic, Subscription] = {}
-        self._qos_options = QoSOverridingOptions.with_default_policies() if overridable else None
+        self._qos_options = QoSOverridingOptions(OVERRIDABLE) if overridable else None
         self.parameters = NodeParameters(self, self.tune)
         self.parameters.declare(rows)
         self.end_reason: str | None = None
@@ -81,6 +92,7 @@ class GraphNode(Node):  # type: ignore[misc]
         self.failure: Exception | None = None
         self.runs: dict[str, int] = {}
         self.refusals: Counter[str] = Counter()
+        self.reasons = Reasons()
         self._early_ends: dict[str, str] = {}
         self._nameless = self.create_timer(
             NAME_SECONDS, self._end_without_name, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
@@ -105,10 +117,11 @@ class GraphNode(Node):  # type: ignore[misc]
         """
         raise SpecError("cannot change during the run", key=", ".join(changes))
 
-    def publisher(self, topic: Topic) -> Publisher:
-        """A publisher of that row of the table."""
+    def publisher(self, topic: Topic, offer: Qos | None = None) -> Publisher:
+        """A publisher of that row of the table, which offers what the table says or something else."""
+        profile = qos(offer or qos_of(topic))
         return self.create_publisher(
-            message_class(topic), topic.name, qos(topic), qos_overriding_options=self._qos_options
+            message_class(topic), topic.name, profile, qos_overriding_options=self._qos_options
         )
 
     def create_service(self, *arguments: Any, **options: Any) -> Any:
@@ -132,7 +145,12 @@ class GraphNode(Node):  # type: ignore[misc]
                 self.fail(error)
 
         reader = self.create_subscription(
-            message_class(topic), topic.name, guarded, qos(topic), raw=True, qos_overriding_options=self._qos_options
+            message_class(topic),
+            topic.name,
+            guarded,
+            qos(asked_of(topic)),
+            raw=True,
+            qos_overriding_options=self._qos_options,
         )
         self._readers[topic] = reader
         return reader
@@ -175,10 +193,10 @@ class GraphNode(Node):  # type: ignore[misc]
                     return
 
     def refuse(self, topic: Topic, why: object) -> None:
-        """Count a message that is not taken; log the first of a topic, with what the graph knows of its sender."""
+        """Count a message that is not taken; log each reason now and then, with what the graph knows of its sender."""
         self.refusals[topic.name] += 1
-        if self.refusals[topic.name] == 1:
-            self.get_logger().warning(f"refused a message on {topic.name}: {why}; {self.senders(topic)}")
+        if said := self.reasons.add(topic.name, str(why)):
+            self.get_logger().warning(f"refused a message on {topic.name}: {said}; {self.senders(topic)}")
 
     def senders(self, topic: Topic, others: Collection[str] = ()) -> str:
         """Which nodes may have sent a message, for logs: the middleware does not tell which one did.

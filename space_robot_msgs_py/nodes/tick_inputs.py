@@ -26,15 +26,22 @@ class TickInputs:
         joint_names: the robot's joints in model order.
         take: called with state, reference, and the messages of the other topics.
         beside: further topics that have one message at every stamp, and how to read it.
+        repeated: called with the stamp [ns] when the state that was given out last is heard again.
 
     Attributes:
         topics: what is listened to.
     """
 
     def __init__(
-        self, node: GraphNode, joint_names: Sequence[str], take: Take, beside: Sequence[tuple[Topic, Reader]] = ()
+        self,
+        node: GraphNode,
+        joint_names: Sequence[str],
+        take: Take,
+        beside: Sequence[tuple[Topic, Reader]] = (),
+        repeated: Callable[[int], None] = lambda stamp: None,
     ) -> None:
-        self._node, self._take = node, take
+        self._node, self._take, self._repeated = node, take, repeated
+        self.forget()
         self._state, self._reference = StateCodec(joint_names), ReferenceCodec(joint_names)
         self._split = len(self._state.topics)
         self._whole = self._split + len(self._reference.topics)
@@ -51,6 +58,10 @@ class TickInputs:
     def malformed(self) -> int:
         """How many messages were refused because they do not fit."""
         return sum(self._node.refusals[topic.name] for topic in self.topics)
+
+    def forget(self) -> None:
+        """A new run: a state that is heard again is a new one."""
+        self._given, self._given_parts = -1, tuple[Blocks, ...]()
 
     def _listen_part(self, index: int) -> None:
         topic = self.topics[index]
@@ -80,6 +91,10 @@ class TickInputs:
         self._node.listen(topic, on_message)
 
     def _add(self, index: int, stamp: int, blocks: Blocks) -> None:
+        if stamp == self._given and index < self._split and blocks == self._given_parts[index]:
+            if index == 0:
+                self._repeated(stamp)
+            return
         joined = self._joiner.add(index, stamp, blocks)
         if joined is not None:
             self._join(stamp, joined)
@@ -104,4 +119,5 @@ class TickInputs:
                 else:
                     self._node.refuse(self.topics[index], error)
             return
+        self._given, self._given_parts = stamp, tuple(parts[: self._split])
         self._take(state, reference, tuple([blocks[0] for blocks in parts[self._whole :]]))

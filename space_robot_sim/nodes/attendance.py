@@ -17,8 +17,8 @@ from space_robot_sim.nodes.publishers import Publishers
 ROLL_CALL_SECONDS = 0.02
 GRACE_SECONDS = 1.0
 WATCH_SECONDS = 1.0
-# What is late in a paced run is waited for so long; less where nothing is there that would send it.
-PATIENCE_SECONDS, PATIENCE_ALONE_SECONDS = 5.0, 3.0
+# What is late in a paced run is waited for so long, longer than a link is down; less where nothing would send it.
+PATIENCE_SECONDS, PATIENCE_ALONE_SECONDS = 15.0, 3.0
 # Kinds without which a run may start: a third-party controller may have no telemetry, and a clock waits for none.
 DISPENSABLE = frozenset(("controller_telemetry",))
 DISPENSABLE_PACED = DISPENSABLE | {"command", "reference"}
@@ -35,7 +35,7 @@ class Attendance:
         required: topics that a complete tick has.
         lossless: what is not there at the start will not come (lock-step).
         on_start: called once, with the topics that are absent.
-        on_watch: paced, called often.
+        on_watch: called often, in lock-step once a second.
     """
 
     def __init__(
@@ -66,6 +66,8 @@ class Attendance:
             for topic, nodes in self._publishers.changes():
                 self._node.get_logger().warning(f"{topic.name} is now published by {', '.join(nodes)}")
                 self._news.append({"topic": topic.name, "nodes": nodes})
+            if self._lossless:
+                self._on_watch()
         except Exception as error:
             self._node.fail(error)
 

@@ -22,6 +22,8 @@ from space_robot_sim.nodes.accepted import AcceptedCommands
 JOIN_CAPACITY = 1024
 # Marks that are looked up in the graph; more are no marks.
 MAX_SENDERS = 64
+# Counted, but nothing that was refused or is missing.
+REPEATED = "repeated"
 # How long a controller that answered with what cannot be used is given to answer again; of the steady clock.
 SECOND_CHANCE = 1.0
 
@@ -65,10 +67,9 @@ class CommandPort:
             SECOND_CHANCE, self._hold, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
         )
         self.counts: Counter[str] = Counter()
-        self._logged: set[str] = set()
         self.accepted = AcceptedCommands(node, always=keep_late > 0)
         self.restart()
-        self._readers = [self._listen_part(index, topic) for index, topic in enumerate(self._codec.topics)]
+        self.readers = [self._listen_part(index, topic) for index, topic in enumerate(self._codec.topics)]
 
     def restart(self) -> None:
         """Await the answer to state 0 of a new run; all that was heard before is forgotten."""
@@ -145,15 +146,17 @@ class CommandPort:
         if stamp > self._awaited:
             self._refuse("future", topic, f"stamp {stamp} ns is ahead of the state at {self._awaited} ns", mark)
             return False
-        self.counts["late"] += 1
         known = self.accepted.parts(stamp)
+        # What is delivered twice, or answered twice alike, is counted without a word: nothing is lost with it.
+        if known is not None and raw in known:
+            self.counts[REPEATED] += 1
+            return False
+        self.counts["late"] += 1
         if self._keep_late and known is None and stamp >= 0 and stamp % self._period == 0:
             return True
-        # What is delivered twice, or answered twice alike, is refused without a word: nothing is lost with it.
-        again = known is not None and raw in known
         what = "older than" if stamp < self._awaited else "another answer to"
         why = f"stamp {stamp} ns is {what} the state at {self._awaited} ns"
-        self._refuse("stale", topic, why, mark, loud=not again)
+        self._refuse("stale", topic, why, mark)
         return False
 
     def _take_in(self, stamp: int, parts: Sequence[tuple[bytes, Sequence[bytes]]], mark: bytes) -> None:
@@ -181,7 +184,7 @@ class CommandPort:
     def _hold(self) -> None:
         """Nothing but an unusable answer came to the state at which the run stands, and no other node can answer."""
         self._second_chance.cancel()
-        alone = all(reader.get_publisher_count() <= 1 for reader in self._readers)
+        alone = all(reader.get_publisher_count() <= 1 for reader in self.readers)
         if alone and self._invalid and not self.answered:
             self.answered = True
             self.accepted.add_none(self._awaited)
@@ -190,11 +193,10 @@ class CommandPort:
             except Exception as error:
                 self._node.fail(error)
 
-    def _refuse(self, what: str, topic: Topic, why: object, mark: bytes, *, loud: bool = True) -> None:
+    def _refuse(self, what: str, topic: Topic, why: object, mark: bytes) -> None:
         self.counts[what] += 1
-        if loud and what not in self._logged:
-            self._logged.add(what)
+        if said := self._node.reasons.add(topic.name, f"{what}: {why}"):
             sender = self._sender(mark)
             others = () if sender else self._senders.values()
             senders = f"published by {sender}" if sender else self._node.senders(topic, others)
-            self._node.get_logger().warning(f"refused a message on {topic.name} as {what}: {why}; {senders}")
+            self._node.get_logger().warning(f"refused a message on {topic.name} as {said}; {senders}")

@@ -86,10 +86,16 @@ class CreditGiver:
         self._period, self._ahead, self._given = period, ahead, -1
         self._publisher = node.publisher(RECORDER_CREDIT)
 
-    def give(self, next_stamp: int) -> None:
-        """All ticks before this stamp [ns] are in the log."""
-        reach = next_stamp + self._ahead * self._period
-        if reach >= self._given + self._ahead // 2 * self._period:
+    def give(self, next_stamp: int, *, heard: bool) -> None:
+        """Give credit, first of all for state 0 alone, which is said until it is heard.
+
+        Args:
+            next_stamp: all ticks before it [ns] are in the log.
+            heard: the first state was heard, so that those after it will be.
+        """
+        reach = next_stamp + self._ahead * self._period if heard else 0
+        enough = self._given + (self._ahead // 2 * self._period if self._given > 0 else 1)
+        if reach >= enough:
             self._given = reach
             self._publisher.publish(encode_clock(reach))
 

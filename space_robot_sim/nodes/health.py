@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
 
 from space_robot_msgs_py.errors import SilenceError
 from space_robot_msgs_py.interfaces import NANOSECONDS, PlantSample
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.diagnostics import Diagnostics
+from space_robot_msgs_py.nodes.mismatches import mismatches
+from space_robot_msgs_py.nodes.reasons import RecentCounts
 from space_robot_msgs_py.topics import RUN_END, TABLE
+from space_robot_sim.nodes.command_port import REPEATED
 
 DIAGNOSTICS_PERIOD = 1.0
 # What one node alone publishes in a run.
@@ -31,7 +36,8 @@ class SimulatorStatus(NamedTuple):
         standing: time may not pass: paused, not active, or at the end of the run.
         unrecorded: the state has its answer, but the recorder has not written the ticks before.
         sample: the newest of the plant.
-        commands: refused, missed and late ones, counted by reason.
+        commands: refused, missed, late and repeated ones, counted by reason.
+        matched: publishers and subscriptions that others have to be matched with.
     """
 
     tick: int
@@ -42,6 +48,7 @@ class SimulatorStatus(NamedTuple):
     unrecorded: bool
     sample: PlantSample | None
     commands: Mapping[str, int]
+    matched: Sequence[Publisher | Subscription] = ()
 
 
 class SimulatorHealth:
@@ -59,7 +66,8 @@ class SimulatorHealth:
         self._diagnostics = Diagnostics(node, "plant")
         self._seen_tick, self._silent_since = -1, self._clock.now()
         self._ran = self._saturated = 0
-        self._warned = False
+        self._counts, self._refusals = RecentCounts(), RecentCounts()
+        self._warned, self._said = False, set[str]()
         self._timer = node.create_timer(DIAGNOSTICS_PERIOD, self._on_timer, clock=self._clock)
 
     def count(self, sample: PlantSample) -> None:
@@ -102,27 +110,37 @@ class SimulatorHealth:
 
     def _publish(self, status: SimulatorStatus, progress: int, silence: float) -> None:
         counts = status.commands
-        warnings = ["commands were refused or missed"] if sum(counts.values()) else []
-        warnings += [f"refused {name}" for name in sorted(self._node.refusals)]
+        lately = self._counts.grown({name: count for name, count in counts.items() if name != REPEATED})
+        said_lately = ", ".join(f"{count} {name}" for name, count in lately.items())
+        warnings = [f"commands were refused or missed: {said_lately}"] if said_lately else []
+        warnings += [f"refused {name}" for name in self._refusals.grown(self._node.refusals)]
         pace = progress / DIAGNOSTICS_PERIOD
-        commands = {
+        commands: dict[str, float | str] = {
             "tick": status.tick,
             "ticks_per_second": pace,
             "realtime_factor": pace * status.period / NANOSECONDS,
             "silence_s": silence,
             **dict(sorted(counts.items())),
             **{f"refused_{name}": float(count) for name, count in sorted(self._node.refusals.items())},
+            **self._node.reasons.values(),
         }
         telemetry = status.sample.telemetry if status.sample is not None else None
         residuals = {name: float(abs(telemetry[name]).max()) for name in RESIDUALS} if telemetry is not None else {}
         share = self._saturated / self._ran if self._ran else 0.0
-        self._diagnostics.publish(
-            status.stamp,
-            [
-                self._diagnostics.status("commands", warnings + self._rivals(), "every state was answered", commands),
-                self._diagnostics.status("plant", [], "running", {"saturation_share": share, **residuals}),
-            ],
-        )
+        said = [*warnings, *self._strangers(status)]
+        statuses = [
+            self._diagnostics.status("commands", said, "every state was answered", commands),
+            self._diagnostics.status("plant", [], "running", {"saturation_share": share, **residuals}),
+        ]
+        self._diagnostics.publish(status.stamp, statuses)
+
+    def _strangers(self, status: SimulatorStatus) -> list[str]:
+        found = [*dict.fromkeys(mismatches(self._node, status.matched))]
+        for line in found:
+            if line not in self._said:
+                self._said.add(line)
+                self._node.get_logger().warning(line)
+        return [*self._rivals(), *found]
 
     def _rivals(self) -> list[str]:
         """Topics that more than one node publishes, with the nodes: one of them may be a stranger."""

@@ -13,23 +13,19 @@ from space_robot_msgs_py.codec.codecs import (
     AcceptedCodec,
     CommandCodec,
     TopicBytes,
-    decode_events,
     decode_string,
-    encode_events,
-    is_empty,
     peek_stamp,
     says_none,
 )
 from space_robot_msgs_py.codec.sender_mark import SenderMark
 from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError
-from space_robot_msgs_py.events import LATE, PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.nodes.base import GraphNode
-from space_robot_msgs_py.topics import ACCEPTED_COMMAND, CONTROLLER_EVENTS, ROBOT_DESCRIPTION, Topic
+from space_robot_msgs_py.topics import ACCEPTED_COMMAND, ROBOT_DESCRIPTION, Topic
 from space_robot_sim.nodes.attendance import Attendance
 from space_robot_sim.nodes.credit import AHEAD_IN_ONE_PROCESS, CreditGiver
 from space_robot_sim.nodes.left_out import LeftOut
-from space_robot_sim.nodes.tick_parts import ANSWERS, COMMANDS, Parts, TickParts
-from space_robot_sim.nodes.tick_writer import TickWriter
+from space_robot_sim.nodes.tick_parts import ANSWERS, COMMANDS, TickParts
+from space_robot_sim.nodes.tick_writer import TickLog, TickWriter
 
 
 class RecorderNode(GraphNode):
@@ -74,24 +70,22 @@ class RecorderNode(GraphNode):
         **options: Any,
     ) -> None:
         super().__init__(name, **options)
-        self._open_writer, self._logs = open_writer, 0
-        self._writer = open_writer(0)
+        self._log = TickLog(open_writer, period, optional, paced=not lossless)
         self._period, self._last = period, steps * period
         self._parts = TickParts(period, steps, paced=not lossless)
         self.lossless = lossless
         self._urdf: str | None = None
         self._canonical = TopicBytes(joint_names)
         self.closed = False
+        self._stood = -1
         self.heard = 0
         self.gaps = 0
-        self.left_out = LeftOut(period)
         self._commands, self._accepted = CommandCodec(joint_names), AcceptedCodec()
         self._marks = SenderMark(self._commands.layouts)
         self.listen(ROBOT_DESCRIPTION, self._on_description)
         heard = [topic for topic in LOGGED if not topic.optional or topic in optional]
         listeners = {topic: self._listen_recorded(topic) for topic in heard}
-        self._optional = frozenset(optional)
-        self._parts.expected |= self._optional
+        self._parts.expected |= frozenset(optional)
         # Of the handles themselves: they are asked at every tick.
         self._command_counts = [listeners[topic].handle.get_publisher_count for topic in self._commands.topics]
         self._credit = CreditGiver(self, period, ahead)
@@ -103,13 +97,18 @@ class RecorderNode(GraphNode):
             frozenset(self._parts.expected),
             lossless=lossless,
             on_start=self._start,
-            on_watch=self._write_complete,
+            on_watch=self._on_watch,
         )
 
     @property
     def begun(self) -> bool:
         """True when the plant was heard."""
-        return self._parts.reached >= 0 or self._logs > 0
+        return self._parts.reached >= 0 or self._log.number > 0
+
+    @property
+    def left_out(self) -> LeftOut:
+        """What the log lacks."""
+        return self._log.left_out
 
     @property
     def malformed(self) -> int:
@@ -142,10 +141,10 @@ class RecorderNode(GraphNode):
             self.closed = True
             try:
                 for stamp, parts in self._parts.rest():
-                    self._write(stamp, parts)
+                    self._log.write(stamp, parts, self._attendance.news())
                 for line in self.left_out.report():
                     self.get_logger().warning(line)
-                self._writer.close(reason)
+                self._log.close(reason)
             except LogError as error:
                 self.fail(error)
         self.closed = True
@@ -158,7 +157,7 @@ class RecorderNode(GraphNode):
         elif self.publisher_count(ACCEPTED_COMMAND) == 0:
             # In place of the simulator there is something that does not tell.
             self._parts.contested = False
-        self._credit.give(self._parts.next)
+        self._give_credit()
 
     def _listen_recorded(self, topic: Topic) -> Subscription:
         part = self._commands.topics.index(topic) if topic in COMMANDS else None
@@ -218,7 +217,7 @@ class RecorderNode(GraphNode):
         except LayoutError as error:
             self.refuse(ROBOT_DESCRIPTION, error)
             return
-        self._writer.write_description(self._urdf)
+        self._log.write_description(self._urdf)
         self._write_complete()
 
     def _take_in(self, topic: Topic, stamp: int, data: bytes) -> None:
@@ -241,7 +240,29 @@ class RecorderNode(GraphNode):
                 self._contest()
             else:
                 self.gaps += not complete
-                self._write(*self._parts.pop())
+                self._log.write(*self._parts.pop(), self._attendance.news())
+                self._give_credit()
+        if self._parts.next == 0:
+            self._give_credit()
+
+    def _give_credit(self) -> None:
+        if self._attendance.started:
+            self._credit.give(self._parts.next, heard=self._parts.reached >= 0)
+
+    def _on_watch(self) -> None:
+        """Paced, time may be over for a tick. In lock-step a command may be lost that the simulator has; or a node."""
+        if not self.lossless:
+            self._write_complete()
+            return
+        lacks = self._parts.lacks()
+        stands = self._parts.next if lacks else -1
+        if lacks and stands == self._stood:
+            if lacks <= COMMANDS and not self._parts.contested:
+                self._contest()
+            elif not any(map(self._attendance.has_publisher, lacks - COMMANDS)):
+                self._parts.expected -= lacks - COMMANDS
+                self._write_complete()
+        self._stood = stands
 
     def _is_over(self) -> bool:
         """Paced: whether the next tick stays as it is."""
@@ -263,24 +284,6 @@ class RecorderNode(GraphNode):
         self.listen(ACCEPTED_COMMAND, self._on_accepted)
         self._attendance.look()
 
-    def _write(self, stamp: int, parts: Parts) -> None:
-        self._add_news(stamp, parts)
-        for topic in self._optional:
-            if topic in parts and is_empty(topic, parts[topic]):
-                del parts[topic]
-        self._writer.write_tick(stamp, parts)
-        if not self.lossless:
-            self.left_out.look(stamp, parts)
-        self._credit.give(self._parts.next)
-
-    def _add_news(self, stamp: int, parts: Parts) -> None:
-        news = [ControllerEvent(stamp, PUBLISHERS, content) for content in self._attendance.news()]
-        if late := self.left_out.answered():
-            news.append(ControllerEvent(stamp, LATE, {"stamps": late}))
-        if news:
-            own = decode_events(parts[CONTROLLER_EVENTS]) if CONTROLLER_EVENTS in parts else ()
-            parts[CONTROLLER_EVENTS] = encode_events([*news, *own])
-
     def begin_again(self) -> None:
         """The plant was reset: what is complete stays in its log, the new run gets its own."""
         if self.end_reason is not None:
@@ -288,13 +291,10 @@ class RecorderNode(GraphNode):
         self.finish("reset")
         if self.failure is not None:
             return
-        self._logs += 1
-        self._writer = self._open_writer(self._logs)
+        self._log.begin_again()
         self._parts.begin_again()
         self.closed = False
         self._credit.restart()
-        self.left_out = LeftOut(self._period)
         if self._urdf is not None:
-            self._writer.write_description(self._urdf)
-        if self._attendance.started:
-            self._credit.give(self._parts.next)
+            self._log.write_description(self._urdf)
+        self._give_credit()

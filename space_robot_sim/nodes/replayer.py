@@ -14,9 +14,11 @@ from space_robot_msgs_py.codec.codecs import encode_clock, encode_string
 from space_robot_msgs_py.errors import CommandError, SilenceError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.qos import OF_A_STATE, qos_of_states
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
 from space_robot_msgs_py.topics import CLOCK, ROBOT_DESCRIPTION, RUN_BEGIN, TABLE, Topic
 from space_robot_sim.nodes.command_port import CommandPort
+from space_robot_sim.nodes.offers import Offers
 from space_robot_sim.nodes.pacing import Pacer
 from space_robot_sim.nodes.services import RunServices, StepGate
 
@@ -69,7 +71,9 @@ class ReplayerNode(GraphNode):
         self._ticks, self._loop, self._patience, self._tell = ticks, loop, patience, on_answer
         # References first: a node that joins them with the state of their stamp has them by then.
         ranked = sorted(topics, key=lambda topic: (topic.kind != "reference", TABLE.index(topic)))
-        self._sinks = {topic: self.publisher(topic) for topic in ranked}
+        # By a clock what was published stays, for displays.
+        offers = {topic: None if rate else qos_of_states(topic, paced=False) for topic in ranked}
+        self._sinks = {topic: self.publisher(topic, offer) for topic, offer in offers.items()}
         self._clock_publisher = self.publisher(CLOCK)
         if urdf:
             self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
@@ -77,6 +81,9 @@ class ReplayerNode(GraphNode):
         self.index = 0
         self._gate = StepGate(paused=paused)
         self.commands = CommandPort(self, joint_names, self._on_answer, period=period) if rate is None else None
+        self._offers = None
+        if self.commands is not None:
+            self._offers = Offers(self, self._waiting, self._say, self.commands.readers)
         self.pacer = None if rate is None else Pacer(self, period / rate, self._on_period)
         self._steering = RunServices(self)
         self._run = RunBegin(uuid4().hex[:16], -1)
@@ -124,17 +131,27 @@ class ReplayerNode(GraphNode):
             self.commands.restart()
         if self.pacer is not None:
             self.pacer.restart()
+        if self._offers is not None:
+            self._offers.begin([sink for topic, sink in self._sinks.items() if topic.kind in OF_A_STATE])
         self._show(0)
+
+    def _waiting(self) -> int | None:
+        """Stamp of the newest tick where it waits for its answer."""
+        return self.stamp if self.commands is not None and not self.commands.answered else None
 
     def _show(self, index: int) -> None:
         self.index = index
-        stamp, parts = self._ticks[index]
+        stamp = self._ticks[index][0]
         if self.commands is not None:
             self.commands.expect(stamp)
+        self._say()
+        self._clock_publisher.publish(encode_clock(stamp))
+
+    def _say(self) -> None:
+        parts = self._ticks[self.index][1]
         for topic, sink in self._sinks.items():
             if topic in parts:
                 sink.publish(parts[topic])
-        self._clock_publisher.publish(encode_clock(stamp))
 
     def _on_answer(self) -> None:
         if self.commands is not None and self.commands.answered and self._may_advance():

@@ -7,6 +7,8 @@ from dataclasses import replace
 from typing import Any
 from uuid import uuid4
 
+from rclpy.publisher import Publisher
+
 from space_robot_msgs_py.codec.codecs import (
     StateCodec,
     TelemetryCodec,
@@ -19,11 +21,13 @@ from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
+from space_robot_msgs_py.qos import qos_of_states
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
 from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
-from space_robot_sim.nodes.command_port import CommandPort
+from space_robot_sim.nodes.command_port import REPEATED, CommandPort
 from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
+from space_robot_sim.nodes.offers import Offers
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import RunServices, StepGate
 from space_robot_sim.nodes.tick_parts import MAX_LATE
@@ -53,6 +57,7 @@ class SimulatorNode(ManagedNode):
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
         optional: the optional topics of this run, for the events of the plant.
+        ahead: so many states the run may be ahead of its recorder in lock-step.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         options: see ManagedNode.
     """
@@ -68,6 +73,7 @@ class SimulatorNode(ManagedNode):
         realtime: float | None = None,
         recorded: bool = True,
         optional: Collection[Topic] = (),
+        ahead: int = 0,
         patience: float = 60.0,
         name: str = "simulator",
         **options: Any,
@@ -76,7 +82,7 @@ class SimulatorNode(ManagedNode):
         self._make_plant, self._joint_names, self._urdf = make_plant, joint_names, urdf
         self._period, self._steps, self._patience = period, steps, patience
         self._realtime, self._recorded = None if realtime is None else checked_factor(realtime), recorded
-        self._optional = optional
+        self._optional, self._ahead = optional, ahead
         self._states = StateCodec(joint_names)
         self._telemetry = TelemetryCodec(PLANT_TELEMETRY)
         self.tick = 0
@@ -92,6 +98,7 @@ class SimulatorNode(ManagedNode):
         keep_late = 0 if realtime is None else MAX_LATE
         self.commands = CommandPort(self, joint_names, self._on_answer, period=period, keep_late=keep_late)
         self.listen(RECORDER_CREDIT, self._on_credit)
+        self._offers = Offers(self, self._waiting, self._say_again, self.commands.readers)
         self.keep()
 
     def configure(self) -> None:
@@ -100,9 +107,9 @@ class SimulatorNode(ManagedNode):
         self._gate = StepGate()
         self.commands.counts.clear()
         self._set_back(self._plant.reset())
-        self._state_publishers = [self.publisher(topic) for topic in self._states.topics]
-        self._telemetry_publisher = self.publisher(PLANT_TELEMETRY)
-        self._event_publishers = {one: self.publisher(one) for one in self._optional if one.kind == "plant_event"}
+        self._state_publishers = [self._publisher(topic) for topic in self._states.topics]
+        self._telemetry_publisher = self._publisher(PLANT_TELEMETRY)
+        self._event_publishers = {one: self._publisher(one) for one in self._optional if one.kind == "plant_event"}
         self._clock_publisher = self.publisher(CLOCK)
         self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
         self._description_publisher.publish(encode_string(self._urdf))
@@ -121,6 +128,7 @@ class SimulatorNode(ManagedNode):
 
     def cleanup(self) -> None:
         """Forget the plant."""
+        self._offers.stop()
         del self._plant
 
     def retune(self, changes: dict[str, Any]) -> None:
@@ -188,8 +196,9 @@ class SimulatorNode(ManagedNode):
         counts = self.commands.counts
         self.commands.accepted.look()
         unrecorded = self.started and self._outruns_recorder() and self.commands.answered
+        matched = [*self.commands.readers, *self._state_publishers, self._telemetry_publisher]
         return SimulatorStatus(
-            self.tick, self.stamp, self._period, self.started, standing, unrecorded, self.sample, counts
+            self.tick, self.stamp, self._period, self.started, standing, unrecorded, self.sample, counts, matched
         )
 
     def _set_back(self, sample: PlantSample) -> None:
@@ -207,14 +216,34 @@ class SimulatorNode(ManagedNode):
             self._start()
             self._on_answer()
 
+    def _publisher(self, topic: Topic) -> Publisher:
+        return self.publisher(topic, qos_of_states(topic, paced=self._realtime is not None, ahead=self._ahead))
+
     def _start(self) -> None:
         if self.active and not self.started and self.sample is not None and (self._credit.given or not self._recorded):
             if self.pacer is not None:
                 self.pacer.restart()
+            self._offers.begin([*self._state_publishers, self._telemetry_publisher])
             self._show(self.sample)
+
+    def _waiting(self) -> int | None:
+        """Stamp of the newest state where it waits for its answer, or to be recorded; paced, for the first of that."""
+        if not self.active or not self.started or self.end_reason is not None:
+            return None
+        waits = self._outruns_recorder() and (self.pacer is None or self.tick == 0)
+        return self.stamp if waits or (self.pacer is None and not self.commands.answered) else None
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
+        self._say(sample)
+        self._clock_publisher.publish(encode_clock(sample.state.stamp))
+        self._transforms.show(sample.state)
+
+    def _say_again(self) -> None:
+        if self.sample is not None:
+            self._say(self.sample)
+
+    def _say(self, sample: PlantSample) -> None:
         if self._event_publishers:
             # At every tick: topics have no order among each other, and the recorder waits for what it expects only.
             events = dict(plant_events(sample))
@@ -222,8 +251,6 @@ class SimulatorNode(ManagedNode):
                 publisher.publish(encode_tick_statuses(sample.state.stamp, events.get(topic, ())))
         publish_all(self._state_publishers, self._states.encode(sample.state))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
-        self._clock_publisher.publish(encode_clock(sample.state.stamp))
-        self._transforms.show(sample.state)
 
     def _on_answer(self) -> None:
         """Lock-step: go on as far as answers and pause allow."""
@@ -263,7 +290,7 @@ class SimulatorNode(ManagedNode):
 
     def _say_what_was_refused(self) -> None:
         """A run that deviated from its commands reports it; the numbers in the log cannot."""
-        counts = self.commands.counts
+        counts = {name: number for name, number in self.commands.counts.items() if name != REPEATED}
         if counts:
             what = ", ".join(f"{number} {name}" for name, number in sorted(counts.items()))
             self.get_logger().warning(f"commands refused or missed in {self._steps} periods: {what}")

@@ -57,6 +57,8 @@ class TickParts:
         self.next, self.reached, self._doubted, self.decided = 0, -1, -1, -1
         # Stamps of ticks without a command, for which the plant holds.
         self._held: set[int] = set()
+        # The tick that was given out last: a state is said again where it waits.
+        self._popped: tuple[int, Parts] = -1, {}
         self._newest: dict[Topic, int] = {}
 
     def begin_again(self) -> None:
@@ -121,6 +123,10 @@ class TickParts:
             self.expected - COMMANDS if self.next in self._held else self.expected
         )
 
+    def lacks(self) -> set[Topic]:
+        """What the next tick lacks where the plant has reached it."""
+        return self.expected - self._pending.get(self.next, {}).keys() if self.reached >= self.next else set()
+
     def missing(self) -> set[Topic]:
         """Paced: what the next tick lacks and may still get, everything where the plant is not there yet.
 
@@ -150,6 +156,7 @@ class TickParts:
         parts = self._pending.pop(stamp, {})
         self.next += self._period
         self._held.discard(stamp)
+        self._popped = stamp, parts
         if self._provisional:
             self._provisional.difference_update((topic, stamp) for topic in parts)
         return stamp, parts
@@ -169,6 +176,8 @@ class TickParts:
 
     def _take_old(self, topic: Topic, stamp: int, data: bytes) -> str | None:
         if topic in SAMPLE:
+            if stamp == self._popped[0] and data == self._popped[1].get(topic):
+                return None
             return f"stamp {stamp} ns is recorded already, and the run was not reset"
         if topic.kind == "reference" and stamp < EARLY * self._period:
             self._early.setdefault(stamp, {})[topic] = data

@@ -10,7 +10,6 @@ from std_srvs.srv import Trigger
 
 from space_robot_msgs_py.codec.codecs import (
     AcceptedCodec,
-    CommandCodec,
     SupervisionCodec,
     TelemetryCodec,
     decode_statuses,
@@ -19,7 +18,6 @@ from space_robot_msgs_py.codec.codecs import (
     peek_stamp,
     says_none,
 )
-from space_robot_msgs_py.codec.sender_mark import SenderMark
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState, Supervision, SupervisorUnit, Telemetry
 from space_robot_msgs_py.joiner import StampJoiner
@@ -42,9 +40,9 @@ Waiting = tuple[RobotState, Reference, tuple[bytes, ...]]
 class SupervisorNode(ManagedNode):
     """Joins state and reference of equal stamp, lets the supervisor decide, publishes events, housekeeping and mode.
 
-    In lock-step it waits for the controller's answer to the state before, too, so that what it knows does not depend
-    on who was faster; paced, it takes the newest one that the simulator accepted, which is in the log. Commands of the
-    ground are services of std_srvs/Trigger, ``~/standby``, ``~/nominal``, ``~/hold``, ``~/safe`` and ``~/stop``:
+    In lock-step it waits for the answer to the state before, too, as the simulator accepted it, so that what it knows
+    does not depend on who was faster; paced, it takes the newest one that was accepted, which is in the log. Commands
+    of the ground are services of std_srvs/Trigger, ``~/standby``, ``~/nominal``, ``~/hold``, ``~/safe`` and ``~/stop``:
     answered at once, in force at the next tick.
 
     Deactivated it decides nothing, and the controller, which waits for it, answers nothing: a lock-step run stands
@@ -79,16 +77,14 @@ class SupervisorNode(ManagedNode):
         self._make_supervisor, self._period, self._lossless = make_supervisor, period, lossless
         self._summarises = HOUSEKEEPING in optional
         self._modes, self._summaries = SupervisionCodec(), TelemetryCodec(HOUSEKEEPING)
-        self._command, self._telemetry = CommandCodec(joint_names), TelemetryCodec(CONTROLLER_TELEMETRY)
-        self._marks = SenderMark(self._command.layouts)
+        self._telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
         # Of the newest state: heard, decided on.
         self._heard = self._last_stamp = -1
         self._waiting: Waiting | None = None
         self._answer: ControlOutput | None = None
         self._inputs = TickInputs(self, joint_names, self._take_in, [(PLANT_EVENTS, peek_stamp)] if monitored else [])
         self._accepted = AcceptedCodec()
-        commands = self._command.topics if lossless else (ACCEPTED_COMMAND,)
-        answers = (*commands, *([CONTROLLER_TELEMETRY] if telemetry else []))
+        answers = (ACCEPTED_COMMAND, *([CONTROLLER_TELEMETRY] if telemetry else []))
         self._answers: StampJoiner[Any] = StampJoiner(len(answers), JOIN_CAPACITY, once=False)
         for index, topic in enumerate(answers):
             self._listen_answer(index, topic)
@@ -121,11 +117,12 @@ class SupervisorNode(ManagedNode):
         """Answers of the run before are none of the new one."""
         self._answers.clear()
         self._answer = None
+        self._inputs.forget()
 
     def _listen_answer(self, index: int, topic: Topic) -> None:
         def on_part(raw: bytes) -> None:
             try:
-                stamp, part = self._read_answer(index, topic, raw)
+                stamp, part = self._read_answer(topic, raw)
             except SpaceRobotError as error:
                 self.refuse(topic, error)
                 return
@@ -135,30 +132,27 @@ class SupervisorNode(ManagedNode):
 
         self.listen(topic, on_part)
 
-    def _read_answer(self, index: int, topic: Topic, raw: bytes) -> tuple[int, Any]:
+    def _read_answer(self, topic: Topic, raw: bytes) -> tuple[int, Any]:
         """Stamp [ns] and content of a part of an answer; None where it is none."""
         if topic is CONTROLLER_TELEMETRY:
             telemetry = self._telemetry.decode((raw,))
             return telemetry.stamp, telemetry
-        if topic is ACCEPTED_COMMAND:
-            said = self._accepted.decode(raw)
-            return said.stamp, None if said.too_late else said.command
-        raw = self._marks.remove(index, raw)
-        return self._command.peek(index, raw), self._command.finite_blocks(index, raw)
+        said = self._accepted.decode(raw)
+        return said.stamp, None if said.too_late else said.command
 
     def _take_answer(self, stamp: int, parts: Sequence[Any]) -> None:
         if stamp > self._heard:
             # An answer to a state that was not heard: of the run before.
             return
-        command = self._command.join(stamp, parts[:2]) if self._lossless else parts[0]
-        telemetry = parts[-1] if isinstance(parts[-1], Telemetry) else Telemetry.of(stamp, {})
+        telemetry = parts[1] if len(parts) > 1 else Telemetry.of(stamp, {})
         if self._answer is None or stamp > self._answer.command.stamp:
-            self._answer = ControlOutput(command, telemetry)
+            self._answer = ControlOutput(parts[0], telemetry)
         self._decide()
 
     def _take_in(self, state: RobotState, reference: Reference, beside: tuple[bytes, ...]) -> None:
         if state.stamp <= self._heard:
-            self.begin_again()
+            self._answers.clear()
+            self._answer = None
             self._last_stamp = -1
         self._heard = state.stamp
         self._waiting = state, reference, beside

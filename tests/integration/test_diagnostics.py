@@ -11,6 +11,7 @@ pytest.importorskip("rclpy")
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from space_robot_msgs_py.topics import JOINT_COMMAND
+from space_robot_sim.nodes import health
 from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -60,3 +61,27 @@ def test_a_second_publisher_of_commands_is_pointed_out(tmp_path: Path) -> None:
 
         robot.spin_until(warned, "the warning")
     assert newest["simulator: commands"].level == DiagnosticStatus.WARN
+
+
+def test_a_refusal_is_a_warning_for_a_while_and_a_total_for_ever(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The status says why the newest message was refused and warns; some periods later only the numbers are left."""
+    monkeypatch.setattr(health, "DIAGNOSTICS_PERIOD", 0.05)
+    with running_graph(tmp_path / "run", "duration=4000.0") as robot:
+        robot.simulator.pause(True)
+        robot.await_answer()
+        newest = heard(robot)
+        robot.publish(JOINT_COMMAND, b"\x00\x01\x00\x00\x01\x02")
+
+        def is_at(level: bytes) -> bool:
+            status = newest.get("simulator: commands")
+            return status is not None and status.level == level and "malformed" in numbers(status)
+
+        robot.spin_until(lambda: is_at(DiagnosticStatus.WARN), "the warning")
+        assert "1 malformed" in newest["simulator: commands"].message
+        robot.stranger.destroy_publisher(robot._speakers.pop(JOINT_COMMAND))
+        robot.spin_until(lambda: is_at(DiagnosticStatus.OK), "the end of the warning")
+    values = numbers(newest["simulator: commands"])
+    assert values["malformed"] == "1"
+    assert values["newest_reason"].startswith("joint_command: malformed: ")

@@ -16,6 +16,7 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
+from space_robot_msgs_py.codec.codecs import TickCodec
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.reader import LogReader
 from tests.support.follow import await_ticks, ended, ticks_in
@@ -140,14 +141,19 @@ def test_lock_step_waits_for_the_link_and_loses_nothing(hosts: TwoHosts, tmp_pat
 def test_a_paced_run_holds_while_the_link_is_down_and_recovers(hosts: TwoHosts, tmp_path: Path) -> None:
     """Without commands the motors get the hold, zero here; with the link they come back and the robot follows again."""
     run_with_outage(hosts, tmp_path / "run", 40, "--realtime", str(PACE), "--set", "duration=60.0")
-    log = LogReader(tmp_path / "run").arrays()
-    begin, end = _longest_rest(log.effort)
+    log = LogReader(tmp_path / "run")
+    codec = TickCodec(log.header.joint_names)
+    rows = [parts for _, parts in log.stamps()]
+    states = [codec.state.decode([parts[topic.name] for topic in codec.state.topics]) for parts in rows]
+    wanted = [codec.reference.decode([parts[topic.name] for topic in codec.reference.topics]) for parts in rows]
+    effort = np.array([state.effort for state in states])
+    begin, end = _longest_rest(effort)
     assert begin > 10
     assert end - begin >= 0.9 * CUT_SECONDS * PACE / PERIOD
-    after = log.effort[end + 1 :]
+    after = effort[end + 1 :]
     assert len(after) > 40
     assert np.mean(np.abs(after).max(axis=1) > 0.0) > 0.9
-    error = np.abs(log.q[:, 7:] - log.q_d[:, 7:]).max(axis=1)
+    error = np.abs(np.array([one.q[7:] - other.q[7:] for one, other in zip(states, wanted, strict=True)])).max(axis=1)
     assert error[-20:].max() < 2 * error[: begin - 2].max() < 0.5 * error[end]
 
 

@@ -10,6 +10,7 @@ from rclpy.serialization import serialize_message
 from space_robot_msgs_py import ros
 from space_robot_msgs_py.codec.codecs import LOGGED, CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec, TickCodec
 from space_robot_msgs_py.errors import LayoutError
+from space_robot_msgs_py.qos import qos_of
 from space_robot_msgs_py.topics import BASE_ODOM, CONTROLLER_TELEMETRY, JOINT_COMMAND, JOINT_STATES, TABLE
 from tests.support import values
 
@@ -76,7 +77,7 @@ def test_messages_of_another_type_are_refused():
 @pytest.mark.parametrize("topic", [t for t in TABLE if not t.derived], ids=lambda topic: topic.name)
 def test_profiles_are_those_of_the_table(topic):
     """Every row has a message class and a KEEP_LAST profile with the offered durability."""
-    profile = ros.qos(topic)
+    profile = ros.qos(qos_of(topic))
     volatile = topic.kind == "tool"
     assert ros.message_class(topic).__name__ == topic.type.rpartition("/")[2]
     assert (profile.history, profile.reliability) == (HistoryPolicy.KEEP_LAST, ReliabilityPolicy.RELIABLE)

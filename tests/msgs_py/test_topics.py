@@ -7,7 +7,7 @@ import pytest
 from space_robot_msgs_py.codec.schemas import schema_text, type_hash, typestore
 from space_robot_msgs_py.docs import topics_markdown
 from space_robot_msgs_py.errors import LayoutError
-from space_robot_msgs_py.qos import qos_of
+from space_robot_msgs_py.qos import LOCK_STEP_DEPTH, OF_A_STATE, asked_of, qos_of, qos_of_states
 from space_robot_msgs_py.topics import TABLE
 from tests.support.paths import ROOT
 
@@ -31,12 +31,26 @@ def test_no_recorded_topic_depends_on_the_wall_clock():
 
 
 def test_values_survive_late_joiners():
-    """Every topic of the loop is reliable, transient local, and deeper than a burst; latched ones keep one message."""
+    """Every topic of the loop is reliable and deeper than a burst; latched ones keep one message."""
     for topic in TABLE:
         offer = qos_of(topic)
         assert offer.reliability == "reliable"
         if topic.kind != "tool":
             assert (offer.durability, offer.depth) == ("transient_local", 1 if topic.latched else 1000)
+
+
+def test_states_and_commands_are_asked_for_as_ros_offers_them():
+    """VOLATILE is enough; a simulator keeps a few states in lock-step, and none in a paced run, where they mislead."""
+    volatile = {topic.name for topic in TABLE if asked_of(topic).durability == "volatile" and topic.kind != "tool"}
+    assert {"base/odom", "joint_states", "base/imu", "plant/telemetry", "base/wrench_command"} <= volatile
+    assert not {"reference/base", "accepted_command", "run_begin", "controller/telemetry"} & volatile
+    for topic in TABLE:
+        paced, lock_step = (qos_of_states(topic, paced=paced) for paced in (True, False))
+        if topic.kind not in OF_A_STATE:
+            assert paced == lock_step == qos_of(topic)
+        else:
+            assert (paced.durability, paced.depth) == ("volatile", 1000)
+            assert (lock_step.durability, lock_step.depth) == ("transient_local", LOCK_STEP_DEPTH)
 
 
 @pytest.mark.parametrize("ros_type", TYPES)

@@ -26,6 +26,7 @@ ALONE = ("recorder", "guidance", "simulator")
 
 def run_on(robot: RunningGraph, periods: int) -> None:
     """So many periods pass, and everybody hears of them."""
+    robot.spin_until(lambda: not robot.simulator._outruns_recorder(), "the recorder to hear the first state")
     for _ in range(periods):
         robot.simulator._on_period()
         robot.settle()

@@ -203,7 +203,7 @@ def test_an_answer_that_comes_twice_is_refused_without_a_word(
         robot.spin_until(lambda: robot.simulator.tick == 1, "the first step")
         publish(robot, foreign(robot, 0))
         robot.settle()
-        assert robot.simulator.commands.counts["stale"] == 2
+        assert robot.simulator.commands.counts == {"repeated": 2}
         assert "as stale" not in capfd.readouterr().err
         publish(robot, foreign(robot, 0, 2 * EFFORT))
         robot.settle()
