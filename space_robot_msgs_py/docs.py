@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from space_robot_msgs_py.log.preamble import log_name
-from space_robot_msgs_py.qos import qos_of
+from space_robot_msgs_py.qos import LOCK_STEP_DEPTH, OF_A_STATE, asked_of, qos_of
 from space_robot_msgs_py.topics import TABLE, Kind, Topic
 
 _INTRODUCTION = """\
@@ -35,6 +35,15 @@ _KINDS: dict[Kind, str] = {
     "tool": "for tools; nothing in the control loop depends on it",
 }
 
+_QUALITY = f"""\
+The depth is 1000 because KEEP_LAST drops a burst beyond its depth silently. This is what a log says of its topics. On
+the graph the simulator offers what it says of a state (kinds {", ".join(f"`{kind}`" for kind in sorted(OF_A_STATE))})
+with TRANSIENT_LOCAL and a depth of {LOCK_STEP_DEPTH} in lock-step, with VOLATILE in a paced run, where a late joiner
+begins with the next state. A state that waits in lock-step is said again when a node is matched that came too late for
+it, so a controller with the default of ROS (VOLATILE) may come at any time; who has answered it answers again, or not.
+Subscriptions ask for no more than the last column says, and RELIABLE.
+"""
+
 _CONVENTIONS = """\
 ## Conventions
 
@@ -45,12 +54,14 @@ _CONVENTIONS = """\
 - `base/imu` and `base/wrench_command`: `base_link`, at its origin. `base/imu` repeats attitude and rate of `base/odom`;
   its linear acceleration is the inertial one of the base origin.
 - Joint messages have an empty `frame_id` and name every joint in model order. `joint_command` has only effort;
-  `reference/joints` has one point with `time_from_start` zero and no effort.
+  `reference/joints` has one point with `time_from_start` zero and no effort. Read, on the graph and in bags, they are
+  matched by name: any order, other joints among them (a gripper), any `frame_id`, and arrays that are not used may be
+  filled. A joint that is missing or named twice, an array that has not one number for each name, and NaN are refused.
 - Covariances are zero when sent and not looked at when read.
 - Telemetry has one entry in `layout.dim` for each block: label, size, and stride equal to size. The first block is
   `stamp`, one number, in ns; it is exact below 2^53 ns (104 days).
 - Messages are little-endian CDR with zero padding; in commands on the graph two bytes of it tell the sender. A message
-  with other names, frames or sizes is refused.
+  of another frame is refused; an empty one is taken for the one above.
 """
 
 
@@ -67,9 +78,8 @@ def topics_markdown() -> str:
             "## Kinds\n",
             _table(("kind", "what it carries"), kinds),
             "## Quality of service\n",
-            _table(("topic", "reliability", "durability", "history"), offers),
-            "The depth is 1000 because KEEP_LAST drops a burst beyond its depth silently. TRANSIENT_LOCAL lets a late",
-            "joiner start a lock-step run; with VOLATILE it would wait for ever.\n",
+            _table(("topic", "reliability", "durability", "history", "asked by subscriptions"), offers),
+            _QUALITY,
             _CONVENTIONS.rstrip("\n"),
             "",
         ]
@@ -83,9 +93,9 @@ def _row(topic: Topic) -> tuple[str, ...]:
     return f"`{topic.name}`", topic.type, kind, topic.publisher, logged, deterministic, topic.meaning
 
 
-def _offer(topic: Topic) -> tuple[str, str, str]:
-    offer = qos_of(topic)
-    return offer.reliability.upper(), offer.durability.upper(), f"KEEP_LAST {offer.depth}"
+def _offer(topic: Topic) -> tuple[str, ...]:
+    offer, asked = qos_of(topic), asked_of(topic)
+    return offer.reliability.upper(), offer.durability.upper(), f"KEEP_LAST {offer.depth}", asked.durability.upper()
 
 
 def _table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:

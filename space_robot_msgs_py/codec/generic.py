@@ -20,8 +20,13 @@ def canonical_message(ros_type: str, raw: bytes) -> bytes:
     Raises:
         LayoutError: the bytes are not such a message.
     """
+    return serialise(ros_type, parse(ros_type, raw))
+
+
+def serialise(ros_type: str, message: Any) -> bytes:
+    """The canonical bytes of what ``parse`` gave."""
     store: Any = typestore()
-    return bytes(store.serialize_cdr(parse(ros_type, raw), ros_type, little_endian=True))
+    return bytes(store.serialize_cdr(message, ros_type, little_endian=True))
 
 
 def parse(ros_type: str, raw: bytes) -> Any:

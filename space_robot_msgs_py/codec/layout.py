@@ -117,8 +117,11 @@ class Layout:
     """
 
     def __init__(self, topic: str, fields: Sequence[Field], error: ErrorClass = LayoutError) -> None:
-        self.topic, self.fields, self._error = topic, tuple(fields), error
+        self.topic, self.fields, self.error = topic, tuple(fields), error
         self.size = self.fields[-1].stop if self.fields else len(ENCAPSULATION)
+        # What is the same in every message, and the names of the arrays that are not.
+        self.texts = {field.name: str(field.expected) for field in self.fields if field.kind == "string"}
+        self.arrays = tuple(field.name for field in self.fields if field.kind == "doubles")
         blank = bytearray(self.size)
         blank[:4] = ENCAPSULATION
         for field in self.fields:
@@ -227,13 +230,13 @@ class Layout:
         pairs = zip(fields, self._sizes, map(len, blocks), strict=True)
         field, accepted, size = next(pair for pair in pairs if pair[1] != pair[2])
         key = f"{self.topic}.{field.name}"
-        return self._error("wrong size", key=key, value=size / 8, accepted=f"{accepted // 8} numbers")
+        return self.error("wrong size", key=key, value=size / 8, accepted=f"{accepted // 8} numbers")
 
     def _explain(self, raw: bytes) -> SpaceRobotError:
         """Walk through the actual bytes to the first primitive that is not as expected."""
         if raw[:2] != ENCAPSULATION[:2]:
             accepted = "little-endian CDR, 00 01"
-            return self._error("wrong encapsulation", key=self.topic, value=raw[:2].hex(" "), accepted=accepted)
+            return self.error("wrong encapsulation", key=self.topic, value=raw[:2].hex(" "), accepted=accepted)
         cursor = len(ENCAPSULATION)
         for field in self.fields:
             size = field.stop - field.start
@@ -243,10 +246,10 @@ class Layout:
                 found, cursor = read_primitive(raw, start, field.kind)
                 if found != field.expected:
                     what = "wrong text" if field.kind == "string" else "wrong size"
-                    return self._error(
+                    return self.error(
                         what, key=f"{self.topic}.{field.name}", value=found, accepted=repr(field.expected)
                     )
-        return self._error("wrong length", key=self.topic, value=f"{len(raw)} bytes", accepted=f"{self.size} bytes")
+        return self.error("wrong length", key=self.topic, value=f"{len(raw)} bytes", accepted=f"{self.size} bytes")
 
 
 def _equal(raw: bytes, stretches: Sequence[tuple[int, int, bytes]]) -> bool:

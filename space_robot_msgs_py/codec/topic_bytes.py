@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from space_robot_msgs_py.codec.by_name import conformed
 from space_robot_msgs_py.codec.generic import canonical_message
 from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses, says_none
@@ -15,7 +16,7 @@ from space_robot_msgs_py.codec.supervision import SupervisionCodec
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.texts import decode_events, encode_events, peek_stamp
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec, check_size
-from space_robot_msgs_py.errors import LayoutError
+from space_robot_msgs_py.errors import CommandError, LayoutError
 from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Supervision, Telemetry, Tick
 from space_robot_msgs_py.limits import TELEMETRY_BYTES
@@ -174,8 +175,8 @@ class TickCodec:
 class TopicBytes:
     """Canonical form and stamp of raw messages, topic by topic, as a recorder needs them.
 
-    Bytes that have the layout of this robot are only cleaned; other messages of the right type (a covariance sequence,
-    another frame, big endian) go through the general path and keep their content.
+    Bytes that have the layout of this robot are only cleaned, joints are put into its order by their names; other
+    messages of the right type (another frame, other joints) go through the general path and keep their content.
 
     Args:
         joint_names: the robot's joints in model order.
@@ -227,9 +228,14 @@ class TopicBytes:
                 return self._telemetry[topic].canonical(raw)
             except LayoutError:
                 return canonical_message(topic.type, raw)
-        if layout is not None and layout.matches(raw):
+        if layout is None:
+            return canonical_message(topic.type, raw)
+        if layout.matches(raw):
             return layout.canonical(raw)
-        return canonical_message(topic.type, raw)
+        try:
+            return conformed(layout, topic.type, raw)
+        except (LayoutError, CommandError):
+            return canonical_message(topic.type, raw)
 
 
 def events_of(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, ...]:

@@ -9,6 +9,7 @@ from typing import ClassVar, Generic, TypeVar
 import numpy as np
 
 from space_robot_msgs_py.codec import message_layouts as standard
+from space_robot_msgs_py.codec.by_name import conformed
 from space_robot_msgs_py.codec.cdr import pack_stamp, unpack_stamp
 from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.codec.texts import peek_stamp
@@ -79,7 +80,7 @@ class PartsCodec(Generic[V]):
             LayoutError: a part has another layout (CommandError for commands), or the stamps differ.
             NonFiniteError: a number is NaN or infinite.
         """
-        blocks = [layout.blocks(part) for layout, part in zip(self.layouts, parts, strict=True)]
+        blocks = [self._blocks(index, part) for index, part in enumerate(parts)]
         if len({block[0] for block in blocks}) > 1:
             stamps = [unpack_stamp(block[0]) for block in blocks]
             names = ", ".join(topic.name for topic in self.topics)
@@ -98,7 +99,7 @@ class PartsCodec(Generic[V]):
 
     def decode_part(self, index: int, raw: bytes) -> tuple[int, Blocks]:
         """The stamp [ns] of one part and the bytes of its arrays, checked against the layout; see ``join``."""
-        stamp, *blocks = self.layouts[index].blocks(raw)
+        stamp, *blocks = self._blocks(index, raw)
         return unpack_stamp(stamp), blocks
 
     def finite_blocks(self, index: int, raw: bytes) -> Blocks:
@@ -110,16 +111,23 @@ class PartsCodec(Generic[V]):
             LayoutError: the part has another layout (CommandError for commands).
             NonFiniteError: a number is NaN or infinite.
         """
-        layout = self.layouts[index]
-        _, *blocks = layout.blocks(raw)
+        _, *blocks = self._blocks(index, raw)
         if not all_finite(blocks):
             wrong = next(one for block in blocks for one in memoryview(block).cast("d") if not isfinite(one))
-            raise NonFiniteError("not a finite number", key=layout.topic, value=wrong)
+            raise NonFiniteError("not a finite number", key=self.layouts[index].topic, value=wrong)
         return blocks
 
     def join(self, stamp: int, parts: Sequence[Blocks]) -> V:
         """The value from what ``decode_part`` gave for each part."""
         raise NotImplementedError
+
+    def _blocks(self, index: int, raw: bytes) -> tuple[bytes, ...]:
+        """Stamp and arrays of a message, of this robot's own or by name."""
+        layout = self.layouts[index]
+        try:
+            return layout.blocks(raw)
+        except (LayoutError, CommandError):
+            return layout.blocks(conformed(layout, self.topics[index].type, raw))
 
 
 class StateCodec(PartsCodec[RobotState]):
