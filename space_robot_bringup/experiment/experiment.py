@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -17,15 +16,13 @@ from pydantic import (
     model_serializer,
     model_validator,
 )
-from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedSeq
-from ruamel.yaml.scalarstring import LiteralScalarString
 
 from space_robot_bringup.experiment.base import BASE, with_base
 from space_robot_bringup.experiment.controller import ControllerSpec, check_controller
 from space_robot_bringup.experiment.dotted_keys import LAW_KEY, set_key
 from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.plant import AnyPlant, ModelSpec, PlantSpec
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.experiment.recorded_reference import with_recorded_log
 from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
@@ -270,27 +267,6 @@ def file_schema() -> dict[str, Any]:
 def to_yaml(experiment: Experiment) -> str:
     """The resolved experiment as YAML text with every default written out; equal experiments give equal text."""
     return dump_yaml(experiment.model_dump(mode="json"))
-
-
-def dump_yaml(data: Mapping[str, Any]) -> str:
-    """Plain data as YAML text for people: a number's list on one line, a text of many lines as a block."""
-    yaml = YAML(pure=True)
-    yaml.width = 120
-    out = StringIO()
-    yaml.dump(_readable(dict(data)), out)
-    return out.getvalue()
-
-
-def _readable(value: Any) -> Any:
-    """Texts of many lines (the URDF) as blocks, lists of numbers on one line."""
-    if isinstance(value, dict):
-        return {key: _readable(item) for key, item in value.items()}
-    if isinstance(value, list):
-        items = CommentedSeq(_readable(item) for item in value)
-        if not any(isinstance(item, dict) for item in value):
-            items.fa.set_flow_style()
-        return items
-    return LiteralScalarString(value) if isinstance(value, str) and "\n" in value else value
 
 
 def with_changes(experiment: Experiment, overrides: Overrides) -> Experiment:
