@@ -11,7 +11,7 @@ NULL, BOOL, INT, FLOAT, STR = (TAG + kind for kind in ("null", "bool", "int", "f
 SEQ, MAP, MERGE, TIMESTAMP, VALUE = (TAG + kind for kind in ("seq", "map", "merge", "timestamp", "value"))
 
 _TRUE, _FALSE = ("true", "True", "TRUE"), ("false", "False", "FALSE")
-# Of what is no number; numbers are told by their form.
+# Of what is no number; numbers are known by their form.
 _WORDS = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), NULL),
     **dict.fromkeys((*_TRUE, *_FALSE), BOOL),

@@ -27,7 +27,7 @@ from space_robot_bringup.experiment.recorded_reference import with_recorded_log
 from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
 from space_robot_description.frozen import plain
-from space_robot_description.share import is_file, shipped_or_file
+from space_robot_description.share import config_dir, is_file, shipped_or_file
 from space_robot_description.spec import PerJoint, Strict, Three, Title
 from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import SpecError
@@ -243,6 +243,12 @@ def experiment_path(name_or_path: StrPath) -> Path:
     """The file of a shipped experiment, or the given path."""
     message = "no such experiment file or shipped experiment"
     return shipped_or_file(name_or_path, "experiments", key="experiment", message=message)
+
+
+def run_name(name_or_path: StrPath) -> str:
+    """What a run of an experiment is called: a shipped one by its full name, ``liu2023/fig08``, a file by its stem."""
+    path, shipped = experiment_path(name_or_path).resolve(), (config_dir() / "experiments").resolve()
+    return path.relative_to(shipped).with_suffix("").as_posix() if path.is_relative_to(shipped) else path.stem
 
 
 def file_schema() -> dict[str, Any]:
