@@ -220,6 +220,18 @@ def schema(
     print(json.dumps(schema_of(kind), indent=2))
 
 
+@app.command()
+def new(
+    kind: Annotated[str, typer.Argument(help="experiment, law, robot or study")],
+    name: Annotated[Path, typer.Argument(help="of the file, e.g. my_law")],
+) -> None:
+    """Write a working, commented start for a file of your own."""
+    from space_robot_cli.new import write_new
+
+    for path in write_new(kind, name):
+        out.print(f"written: {path}", markup=False, soft_wrap=True)
+
+
 def _run(
     spec: Experiment,
     place: Path,

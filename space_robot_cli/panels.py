@@ -10,7 +10,7 @@ PANELS = {
     "Run": ("run", "campaign", "compare", "reproduce"),
     "Look": ("report", "view", "plot", "info", "events"),
     "Verify": ("check", "replay", "recover"),
-    "Find out": ("list", "robot", "schema"),
+    "Prepare": ("new", "list", "robot", "schema"),
 }
 OTHERS = "Others"
 
