@@ -11,6 +11,7 @@ import typer
 
 from space_robot_cli.app import FAILED, AllowCodeOption, JsonOption, LawOption, SetOption, app, err, out
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.extras import install
 
 if TYPE_CHECKING:
     from space_robot_bringup.replay.comparison import Tolerance
@@ -58,7 +59,10 @@ def replay(
     allow_code: AllowCodeOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Compute a recorded run again and compare every number with the log, or publish it to a node of your own."""
+    """Compute a recorded run again and compare every number.
+
+    Or publish it to a node of your own, with --publish.
+    """
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.golden import update_reference
     from space_robot_bringup.replay.publish import PublishOptions
@@ -103,7 +107,7 @@ def _publish(bags: list[Path], options: PublishOptions, tolerance: Tolerance) ->
     try:
         from space_robot_bringup.nodes import replayer
     except ImportError as error:
-        accepted = "install space-robot[ros], or source a Jazzy"
+        accepted = f"a sourced Jazzy, or {install('ros')}"
         raise SpecError(f"needs ROS 2 Jazzy ({error})", key="--publish", accepted=accepted) from None
     broadcast = open_broadcast(bags[0], options.namespace)
     answers = Answers(broadcast, tolerance)
@@ -122,7 +126,7 @@ def info(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Say what is in a bag: topics, rates, gaps, provenance, damage, verdict."""
+    """Say what is in a bag: topics, gaps, damage, verdict."""
     from space_robot_bringup.logs.info import bag_info
     from space_robot_cli.render import log as show
 
@@ -139,7 +143,7 @@ def recover(
     directory: Annotated[Path | None, typer.Option("--out", "-o", help="default BAG_recovered")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Make a clean, indexed bag of a truncated or corrupted one and say what was lost."""
+    """Make a clean bag of a corrupted one; say what was lost."""
     from space_robot_cli.render import log as show
     from space_robot_msgs_py.log.recover import recover
 

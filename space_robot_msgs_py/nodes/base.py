@@ -34,7 +34,7 @@ from space_robot_msgs_py.topics import RUN_BEGIN, RUN_END, Topic
 FLUSH_SECONDS = 0.1
 # The end of a run may be heard before its name: topics have no order among each other.
 NAME_SECONDS = 0.5
-MAX_EARLY_ENDS = 16
+MAX_EARLY_ENDS = 8
 OVERRIDABLE = (
     QoSPolicyKind.HISTORY,
     QoSPolicyKind.DEPTH,
@@ -93,7 +93,7 @@ class GraphNode(Node):  # type: ignore[misc]
         self.runs: dict[str, int] = {}
         self.refusals: Counter[str] = Counter()
         self.reasons = Reasons()
-        self._early_ends: dict[str, str] = {}
+        self._early_ends: dict[str, RunEnd] = {}
         self._nameless = self.create_timer(
             NAME_SECONDS, self._end_without_name, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
         )
@@ -229,8 +229,9 @@ class GraphNode(Node):  # type: ignore[misc]
         self.runs[begin.run] = begin.number
         if number is not None or (others and self.begun):
             self.begin_again()
-        if begin.run in self._early_ends and self.end_reason is None:
-            self._hear_end(self._early_ends[begin.run])
+        early = self._early_ends.pop(begin.run, None)
+        if early is not None and self.end_reason is None:
+            self._hear_end(early.reason)
 
     def _on_run_begin(self, raw: bytes) -> None:
         try:
@@ -246,24 +247,28 @@ class GraphNode(Node):  # type: ignore[misc]
         except LayoutError as error:
             self.refuse(RUN_END, error)
             return
-        if self.end_reason is not None:
-            return
-        if end.run in self.runs or (not end.run and not self.begun):
+        if end.run not in self.runs and (end.run or self.begun):
+            self._keep(end)
+            self.refuse(
+                RUN_END, f"{end.node} ends the run {end.run or 'without a name'}, which this node does not know"
+            )
+        elif self.end_reason is None:
             self._hear_end(end.reason)
-            return
-        if end.run and len(self._early_ends) < MAX_EARLY_ENDS:
-            self._early_ends[end.run] = end.reason
-        if end.run and not self.runs:
-            self._nameless.reset()
-        else:
-            self.refuse(RUN_END, f"{end.node} ends the run {end.run or 'without a name'}, which is not this one")
 
     def _end_without_name(self) -> None:
         """A run that was taken part in and never said its name has ended: it is gone, and will not say it any more."""
         if self.runs or self.end_reason is not None:
             self._nameless.cancel()
         elif self.begun:
-            self._hear_end(next(reversed(self._early_ends.values())))
+            self._hear_end([end for run, end in self._early_ends.items() if run][-1].reason)
+
+    def _keep(self, end: RunEnd) -> None:
+        """Topics have no order among each other: of a short run the end may come before the begin that names it."""
+        if len(self._early_ends) >= MAX_EARLY_ENDS:
+            del self._early_ends[next(iter(self._early_ends))]
+        self._early_ends[end.run] = end
+        if end.run and not self.runs:
+            self._nameless.reset()
 
     def _hear_end(self, reason: str) -> None:
         self.end_reason = reason

@@ -1,81 +1,67 @@
-"""The end of a run is heard whatever comes first: its end, its name or its states."""
+"""Begin and end of a run on two topics, which have no order among each other."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from time import monotonic
 
 import pytest
 
 pytest.importorskip("rclpy")
 from space_robot_bringup.modes.context import private_context
-from space_robot_bringup.modes.graph import LIGHT, make_executor
+from space_robot_bringup.modes.graph import make_executor
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.run_messages import RunBegin, RunEnd, encode_begin, encode_end
-from space_robot_msgs_py.topics import RUN_END
+from space_robot_msgs_py.topics import RUN_BEGIN, RUN_END
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-
-
-class Listener(GraphNode):
-    """A node that has seen states of a run, or not."""
-
-    heard = False
-
-    @property
-    def begun(self) -> bool:
-        return self.heard
+DEADLINE = 60.0
+Until = Callable[[Callable[[], object]], None]
 
 
 @pytest.fixture
-def node() -> Iterator[Listener]:
-    """Alone in its context; what it hears is given to it."""
+def pair() -> Iterator[tuple[GraphNode, GraphNode, Until]]:
+    """Who speaks and who listens, and what spins until a condition holds."""
     with private_context() as context:
-        made = Listener("listener", context=context, **LIGHT)
-        yield made
-        made.destroy_node()
+        nodes = [GraphNode(name, context=context, start_parameter_services=False) for name in ("speaker", "listener")]
+        executor = make_executor(context)
+        for node in nodes:
+            executor.add_node(node)
+
+        def until(condition: Callable[[], object]) -> None:
+            end = monotonic() + DEADLINE
+            while not condition():
+                executor.spin_once(timeout_sec=0.02)
+                assert monotonic() < end
+
+        yield nodes[0], nodes[1], until
+        executor.shutdown()
+        for node in nodes:
+            node.destroy_node()
 
 
-def begin(node: GraphNode, run: str) -> None:
-    node._on_run_begin(encode_begin(RunBegin(run, 0)))
+def test_an_end_that_comes_before_the_begin_ends_the_run(pair: tuple[GraphNode, GraphNode, Until]) -> None:
+    """Or the node would wait for ever: it is said once."""
+    speaker, listener, until = pair
+    end, begin = speaker.publisher(RUN_END), speaker.publisher(RUN_BEGIN)
+    end.publish(encode_end(RunEnd("ours", "/simulator", "completed")))
+    until(lambda: listener.refusals[RUN_END.name])
+    assert listener.end_reason is None
+    begin.publish(encode_begin(RunBegin("ours", 0)))
+    until(lambda: listener.end_reason)
+    assert listener.end_reason == "completed"
 
 
-def end(node: GraphNode, run: str, reason: str = "completed") -> None:
-    node._on_run_end(encode_end(RunEnd(run, "/simulator", reason)))
-
-
-def test_an_end_that_is_heard_before_the_name_of_its_run_counts_with_it(node: Listener) -> None:
-    """Topics have no order: the begin may be under way when the end is here, and then the run is over."""
-    node.heard = True
-    end(node, "a")
-    assert node.end_reason is None
-    begin(node, "b")
-    assert node.end_reason is None, "another run"
-    assert not node.refusals
-    begin(node, "a")
-    assert node.end_reason == "completed"
-
-
-def test_a_node_that_saw_states_and_never_a_name_ends_with_its_run(node: Listener) -> None:
-    """A simulator that is gone says its name no more: half a second after the end the node ends, too."""
-    node.heard = True
-    executor = make_executor(node.context)
-    executor.add_node(node)
-    end(node, "a", "interrupted")
-    executor.spin_until_future_complete(node.over, timeout_sec=60.0)
-    executor.shutdown()
-    assert node.end_reason == "interrupted"
-
-
-def test_a_node_that_saw_nothing_is_not_ended_by_a_run_it_does_not_know(node: Listener) -> None:
-    """The end of a run before, still in the graph, is none of the run that the node waits for."""
-    end(node, "old")
-    node._end_without_name()
-    assert node.end_reason is None
-    begin(node, "new")
-    node.heard = True
-    end(node, "old")
-    assert node.refusals[RUN_END.name] == 1
-    node._end_without_name()
-    assert node.end_reason is None
-    end(node, "new")
-    assert node.end_reason == "completed"
+def test_an_end_of_another_run_ends_nothing(pair: tuple[GraphNode, GraphNode, Until]) -> None:
+    """However many there are; and the own one, when it comes, is heard."""
+    speaker, listener, until = pair
+    end, begin = speaker.publisher(RUN_END), speaker.publisher(RUN_BEGIN)
+    for number in range(20):
+        end.publish(encode_end(RunEnd(f"theirs {number}", "/simulator", "completed")))
+        until(lambda seen=number + 1: listener.refusals[RUN_END.name] == seen)
+    begin.publish(encode_begin(RunBegin("ours", 0)))
+    until(lambda: "ours" in listener.runs)
+    assert listener.end_reason is None
+    end.publish(encode_end(RunEnd("ours", "/simulator", "completed")))
+    until(lambda: listener.end_reason)
+    assert listener.end_reason == "completed"
