@@ -76,10 +76,8 @@ class RecorderNode(GraphNode):
         self.lossless = lossless
         self._urdf: str | None = None
         self._canonical = TopicBytes(joint_names)
-        self.closed = False
-        self._stood = -1
-        self.heard = 0
-        self.gaps = 0
+        self.closed, self._stood = False, -1
+        self.heard = self.gaps = 0
         self._commands, self._accepted = CommandCodec(joint_names), AcceptedCodec()
         self._marks = SenderMark(self._commands.layouts)
         self.listen(ROBOT_DESCRIPTION, self._on_description)
@@ -259,8 +257,9 @@ class RecorderNode(GraphNode):
         if lacks and stands == self._stood:
             if lacks <= COMMANDS and not self._parts.contested:
                 self._contest()
-            elif not any(map(self._attendance.has_publisher, lacks - COMMANDS)):
-                self._parts.expected -= lacks - COMMANDS
+            elif not lacks & COMMANDS and not any(map(self._attendance.has_publisher, lacks)):
+                # A controller without telemetry has taken the place of one with it.
+                self._parts.give_up(lacks)
                 self._write_complete()
         self._stood = stands
 
@@ -271,7 +270,7 @@ class RecorderNode(GraphNode):
             return True
         if missing & COMMANDS or not self._attendance.waited_long(self._parts.next, missing):
             return False
-        self._parts.give_up()
+        self._parts.give_up(missing)
         return True
 
     def _has_rivals(self) -> bool:

@@ -79,7 +79,7 @@ class TickParts:
         Returns:
             Why it is refused; empty: it is taken, and the next tick may be complete now; None: it is taken.
         """
-        if self._paced:
+        if self._paced or self._given_up:
             self._follow(topic, stamp)
         parts = self._pending.get(stamp)
         if parts is None:
@@ -161,11 +161,10 @@ class TickParts:
             self._provisional.difference_update((topic, stamp) for topic in parts)
         return stamp, parts
 
-    def give_up(self) -> None:
-        """Wait no more for what the next tick lacks, until it comes."""
-        lost = self.missing() - COMMANDS
-        self.expected -= lost
-        self._given_up |= lost
+    def give_up(self, topics: set[Topic]) -> None:
+        """Wait no more for topics, until one of their messages comes."""
+        self.expected -= topics
+        self._given_up |= topics
 
     def rest(self) -> list[tuple[int, Parts]]:
         """What there is of ticks that the plant reached and that are not written, in order; the run is over."""

@@ -184,7 +184,7 @@ def test_what_is_given_up_is_waited_for_again_when_it_comes() -> None:
     parts = paced()
     reach(parts, range(3))
     feed(parts, [(topic, tick * PERIOD) for topic in COMMANDS for tick in range(3)])
-    parts.give_up()
+    parts.give_up(parts.missing())
     assert not parts.missing()
     assert parts.expected >= COMMANDS
     parts.pop()
