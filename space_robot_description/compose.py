@@ -13,7 +13,8 @@ import pinocchio as pin
 from space_robot_description.inertia import check_inertia
 from space_robot_description.robot_spec import BaseSpec, JointLimits, RobotSpec, tensor
 from space_robot_description.spec import check_joint_names
-from space_robot_description.urdf import MOVING, Tree, axis_of, kind_of, number, numbers, parse_urdf
+from space_robot_description.urdf import MOVING, Tree, kind_of, parse_urdf
+from space_robot_description.urdf_values import axis_of, number, numbers
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 
 BASE_LINK = "base_link"

@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from space_robot_description.actuation import check_actuators
 from space_robot_description.compose import compose_urdf
-from space_robot_description.model import JointRow, build_model, end_of_arm
+from space_robot_description.joint_row import JointRow
+from space_robot_description.mass_matrix import check_invertible
+from space_robot_description.model import build_model, end_of_arm
 from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import RobotSpec
 from space_robot_description.share import config_dir, is_file, resource, shipped
@@ -78,20 +81,23 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
     tree = parse_urdf(urdf, f"{spec.name} urdf")
     model, rows = build_model(tree)
     names = tuple(rows)
+    bodies = (tree.root_link, *(child_of(tree.joints[name]) for name in names))
     actuators = check_actuators(spec, names, [row.effort for row in rows.values()])
+    home = _home(spec, rows)
+    check_invertible(model, np.concatenate([pin.neutral(model)[:7], home]), bodies)
     return Robot(
         name=spec.name,
         urdf=urdf,
         model=model,
         joint_names=names,
-        body_names=(tree.root_link, *(child_of(tree.joints[name]) for name in names)),
+        body_names=bodies,
         base_mode=spec.base_mode,
         actuators=actuators,
         effort_limit=expand(actuators.joints.effort, names, "actuators.joints.effort"),
         joint_lower=_column(rows, "lower"),
         joint_upper=_column(rows, "upper"),
         joint_rate_limit=_column(rows, "velocity"),
-        home=_home(spec, rows),
+        home=home,
         tool_frame=_tool(spec, tree),
         resolved=_resolved(spec, urdf, actuators),
     )
