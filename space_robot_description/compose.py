@@ -10,6 +10,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.changed_inertia import change_inertias
 from space_robot_description.inertia import check_inertia
 from space_robot_description.robot_spec import BaseSpec, JointLimits, RobotSpec, tensor
 from space_robot_description.spec import check_joint_names
@@ -24,7 +25,7 @@ RESERVED = (BASE_LINK, "base_link_desired", "inertial", "world")
 SATELLITE_COLOUR = "0.72 0.72 0.75 1"
 
 
-def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> str:
+def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> tuple[str, tuple[str, ...]]:
     """The URDF of the whole robot, root link ``base_link``.
 
     Args:
@@ -33,7 +34,8 @@ def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> str:
         folder: where that URDF lies, for relative mesh paths; None if it came as text.
 
     Returns:
-        URDF text; composing it again without base, locks and limits gives the same text.
+        URDF text; composing it again without base, locks, limits and inertias gives the same text. And a sentence for
+        every inertia that the robot file changes.
 
     Raises:
         SpecError: the URDF or the file names something that is not there.
@@ -48,9 +50,11 @@ def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> str:
         _absolute_meshes(tree.root, folder)
     _lock(tree, spec.locked_joints)
     _override_limits(tree, spec.joint_limits)
+    # By the names of the result; the satellite has its own numbers in the robot file.
+    said = change_inertias({link.get("name", ""): link for link in tree.links.values()}, spec.inertia)
     tree.root.set("name", spec.name)
     ET.indent(tree.root)
-    return ET.tostring(tree.root, encoding="unicode") + "\n"
+    return ET.tostring(tree.root, encoding="unicode") + "\n", said
 
 
 def _rename_root(tree: Tree) -> None:

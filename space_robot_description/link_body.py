@@ -10,13 +10,12 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pinocchio as pin
 
-from space_robot_description.inertia import MAX_MAGNITUDE
+from space_robot_description.inertia import MAX_MAGNITUDE, check_body
 from space_robot_description.urdf_values import placement_of, to_float
 from space_robot_msgs_py.errors import InertiaError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 
-_DIAGONAL = ("ixx", "iyy", "izz")
-_ENTRIES = (*_DIAGONAL, "ixy", "ixz", "iyz")
+INERTIA_ENTRIES = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -71,6 +70,15 @@ def read_body(name: str, link: ET.Element) -> LinkBody:
     return LinkBody(mass, placement.translation, turned(tensor, placement.rotation))
 
 
+def can_exist(name: str, body: LinkBody) -> bool:
+    """Whether a link could be a body by itself, points, rods and plates included."""
+    try:
+        check_body(name, body.mass, body.com, body.inertia)
+    except InertiaError:
+        return False
+    return True
+
+
 def turned(inertia: Vector, rotation: Vector) -> Vector:
     """R I R^T of (3, 3) arrays in scalars, exactly symmetric: the bits depend on no linear algebra library."""
     first = _product(rotation.tolist(), inertia.tolist())
@@ -98,7 +106,7 @@ def _mass(element: ET.Element | None, key: str, *, needed: bool) -> float:
 def _tensor(element: ET.Element | None, key: str) -> Vector:
     if element is None or not element.attrib:
         return np.zeros((3, 3))
-    ixx, iyy, izz, ixy, ixz, iyz = (_number(element, entry, entry, key) for entry in _ENTRIES)
+    ixx, iyy, izz, ixy, ixz, iyz = (_number(element, entry, entry, key) for entry in INERTIA_ENTRIES)
     return np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
 
 

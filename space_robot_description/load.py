@@ -77,7 +77,7 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
         SpaceRobotError: see `load_robot`.
     """
     text, urdf_folder = _urdf_text(spec.urdf, folder)
-    urdf = compose_urdf(spec, text, urdf_folder)
+    urdf, notes = compose_urdf(spec, text, urdf_folder)
     tree = parse_urdf(urdf, f"{spec.name} urdf")
     model, rows = build_model(tree)
     names = tuple(rows)
@@ -100,6 +100,7 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
         home=home,
         tool_frame=_tool(spec, tree),
         resolved=_resolved(spec, urdf, actuators),
+        notes=notes,
     )
 
 
@@ -136,7 +137,6 @@ def _tool(spec: RobotSpec, tree: Tree) -> str:
 
 
 def _resolved(spec: RobotSpec, urdf: str, actuators: Actuators) -> dict[str, Any]:
-    """The file whose URDF holds base, locks and limits, so that nothing else is needed to make the robot again."""
+    """The file whose URDF holds base, locks, limits and inertias: nothing else is needed to make the robot again."""
     done: dict[str, Any] = {"urdf": urdf, "base": None, "locked_joints": {}, "joint_limits": {}, "actuators": actuators}
-    dumped: dict[str, Any] = spec.model_copy(update=done).model_dump(mode="json")
-    return dumped
+    return spec.model_copy(update=done).model_dump(mode="json", exclude={"inertia"})

@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from space_robot_description.inertia import check_body
 from space_robot_description.joint_row import JointRow, read_joint
-from space_robot_description.link_body import LinkBody, read_body
+from space_robot_description.link_body import LinkBody, can_exist, read_body
 from space_robot_description.sums import check_sums
 from space_robot_description.urdf import MOVING, Tree, child_of, kind_of, parent_of
 from space_robot_description.urdf_values import placement_of
@@ -48,7 +48,7 @@ def build_model(tree: Tree) -> tuple[Any, dict[str, JointRow]]:
     rows = {name: rows[name] for name in tree.walk() if name in rows}
     model = _assembled(tree, bodies, rows)
     model.gravity.setZero()
-    _check_bodies(model, [tree.root_link, *(child_of(tree.joints[name]) for name in rows)])
+    _check_bodies(tree, bodies, model, [tree.root_link, *(child_of(tree.joints[name]) for name in rows)])
     check_sums(tree, bodies, model)
     return model, rows
 
@@ -111,14 +111,29 @@ def _add_joint(model: Any, name: str, row: JointRow, body: Any, placement: Any, 
     return frame
 
 
-def _check_bodies(model: Any, links: Sequence[str]) -> None:
+def _check_bodies(tree: Tree, bodies: Mapping[str, LinkBody], model: Any, moving: Sequence[str]) -> None:
     ends = set(range(1, model.njoints)) - set(model.parents[1:])
-    for index, link in enumerate(links, start=1):
+    for index, link in enumerate(moving, start=1):
         inertia = model.inertias[index]
         if inertia.mass == 0.0 and not np.any(inertia.inertia) and index in ends:
             accepted = "an <inertial> with mass and inertia, on it or on what is fixed to it"
             raise InertiaError("a moving link has no mass", key=f"link {link}", value=inertia.mass, accepted=accepted)
-        check_body(link, inertia.mass, inertia.lever, inertia.inertia)
+        try:
+            check_body(link, inertia.mass, inertia.lever, inertia.inertia)
+        except InertiaError as error:
+            wrong = [name for name in _parts(tree, link) if not can_exist(name, bodies[name])]
+            advice = f"; or inertia: {{project: [{', '.join(wrong)}]}} in the robot file" if wrong else ""
+            accepted = f"{error.accepted}{advice}"
+            raise InertiaError(error.message, key=error.key, value=error.value, accepted=accepted) from None
+
+
+def _parts(tree: Tree, link: str) -> list[str]:
+    """The link and all that is fixed to it."""
+    parts = [link]
+    for part in parts:
+        fixed = [joint for name in tree.children[part] if kind_of(joint := tree.joints[name]) not in MOVING]
+        parts += [child_of(joint) for joint in fixed]
+    return parts
 
 
 def _joint_model(row: JointRow) -> Any:

@@ -60,6 +60,18 @@ class JointLimits(Strict):
     velocity: PositiveFloat | None = Field(default=None, description="[rad/s or m/s]")
 
 
+class InertiaChanges(Strict):
+    """Inertias of links that are not those of the URDF."""
+
+    project: tuple[str, ...] = Field(
+        default=(), description="links of which the inertia cannot exist: they get the nearest one that can"
+    )
+    replace: dict[str, InertiaInput] = Field(
+        default_factory=dict,
+        description="link: inertia about its centre of mass, axes of the link [kg m2], as that of base",
+    )
+
+
 class RobotSpec(Strict):
     """A robot file. Joint and link names are those of the composed URDF."""
 
@@ -82,6 +94,9 @@ class RobotSpec(Strict):
     locked_joints: dict[str, float] = Field(default_factory=dict, description="joint: position it is fixed at")
     joint_limits: dict[str, JointLimits] = Field(
         default_factory=dict, description="joint: limits instead of the URDF's"
+    )
+    inertia: InertiaChanges = Field(
+        default_factory=InertiaChanges, description="inertias that replace the URDF's; names of links as composed"
     )
     tool: str | None = Field(
         default=None, description="link at the end of the arm; default: link `tool`, else the end of the longest chain"

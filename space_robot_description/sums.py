@@ -37,10 +37,14 @@ def check_sums(tree: Tree, bodies: Mapping[str, LinkBody], model: Any) -> None:
     for index, (link, (expected, scale)) in enumerate(sums.items(), start=1):
         found = _second_moments(model.inertias[index].mass, model.inertias[index].lever, model.inertias[index].inertia)
         if not np.all(np.abs(found - expected) <= _AGREE * _levels(scale)):
-            raise InertiaError("the model differs from the sum over the links", key=f"link {link}", value=found.tolist())
+            raise InertiaError(
+                "the model differs from the sum over the links", key=f"link {link}", value=found.tolist()
+            )
     total, file_total = sum(body.mass for body in model.inertias), sum(body.mass for body in bodies.values())
     if not abs(total - file_total) <= _AGREE * file_total:
-        raise InertiaError("the model does not weigh what the URDF says", key="urdf", value=total, accepted=file_total)
+        raise InertiaError(
+            "the model does not weigh what the URDF says", key="urdf", value=total, accepted=f"{file_total} kg"
+        )
 
 
 def _sums(tree: Tree, bodies: Mapping[str, LinkBody]) -> dict[str, tuple[Vector, Vector]]:

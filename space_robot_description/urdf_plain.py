@@ -1,4 +1,4 @@
-"""A URDF in one spelling: without other programs' elements, every number and origin as the strictest reader wants it."""
+"""A URDF in one spelling: without other programs' elements, numbers and origins as the strictest reader wants them."""
 
 from __future__ import annotations
 
@@ -22,10 +22,8 @@ _MEANT = {
 }
 _IN_INERTIAL = ("origin", "mass", "inertia")
 _OFF_DIAGONAL = ("ixy", "ixz", "iyz")
-_NUMERIC = frozenset(
-    "xyz rpy value ixx ixy ixz iyy iyz izz lower upper effort velocity multiplier offset"
-    " size scale radius length rgba".split()
-)
+_LOOKS = ("size", "scale", "radius", "length", "rgba")
+_NUMERIC = {name for names in (*ATTRIBUTES.values(), _LOOKS) for name in names} - {"link", "joint"}
 _XACRO = "plain URDF: run xacro on it first"
 
 

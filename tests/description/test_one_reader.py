@@ -46,7 +46,9 @@ def test_any_legal_spelling_is_read_as_by_another_reader(seed: int) -> None:
     """Mass, inertia and forward dynamics of random URDFs are those of a reader that shares no line with this one."""
     text = spelt_robot(seed)
     links, robot = read_links(text), load_robot(robot_file(text))
-    assert sum(i.mass for i in robot.model.inertias) == pytest.approx(sum(l.mass for l in links.values()), rel=1e-14)
+    assert sum(i.mass for i in robot.model.inertias) == pytest.approx(
+        sum(part.mass for part in links.values()), rel=1e-14
+    )
     rng, n = np.random.default_rng(seed), robot.n
     joints, rates, efforts = rng.uniform(-1, 1, n), rng.uniform(-1, 1, 6 + n), rng.uniform(-1, 1, 6 + n)
     q = np.concatenate([pin.neutral(robot.model)[:7], joints])
@@ -92,10 +94,18 @@ def test_quaternion_of_urdf_1_1_turns_the_joint() -> None:
 
 
 BAD_ORIGINS = {
-    "old version": ('quat_xyzw="0 0 0 1"', "1.0", 'quat_xyzw is none of URDF 1.0; got \'0 0 0 1\'; accepted: rpy, or <robot'),
+    "old version": (
+        'quat_xyzw="0 0 0 1"',
+        "1.0",
+        "quat_xyzw is none of URDF 1.0; got '0 0 0 1'; accepted: rpy, or <robot",
+    ),
     "two rotations": ('rpy="0 0 0" quat_xyzw="0 0 0 1"', "1.1", "<origin> has two rotations"),
     "no direction": ('quat_xyzw="0 0 0 0"', "1.1", "not a rotation"),
-    "three numbers": ('quat_xyzw="0 0 1"', "1.1", "quat_xyzw is not a vector; got '0 0 1'; accepted: four finite numbers"),
+    "three numbers": (
+        'quat_xyzw="0 0 1"',
+        "1.1",
+        "quat_xyzw is not a vector; got '0 0 1'; accepted: four finite numbers",
+    ),
     "strange": ('quat="0 0 0 1"', "1.1", "<origin> has an attribute that is none of URDF; got 'quat'"),
     "version": ('rpy="0 0 0"', "2.0", "unknown version of URDF; got '2.0'"),
 }

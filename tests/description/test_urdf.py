@@ -102,7 +102,10 @@ BAD_JOINTS = {
         joint("j2", "upper", "fore", inside='<limit lower="-1_0" upper="1"/>'),
         "joint j2: lower is not a number",
     ),
-    "two axes": (joint("j2", "upper", "fore", inside=f'{LIMIT}<axis xyz="0 0 1"/><axis xyz="0 1 0"/>'), "<axis> 2 times"),
+    "two axes": (
+        joint("j2", "upper", "fore", inside=f'{LIMIT}<axis xyz="0 0 1"/><axis xyz="0 1 0"/>'),
+        "<axis> 2 times",
+    ),
     "limits": (joint("j2", "upper", "fore", inside=LIMIT.replace("limit", "limits")), "did you mean <limit>?"),
     "upper limit": (
         joint("j2", "upper", "fore", inside=LIMIT.replace("upper", "uper")),

@@ -1,4 +1,4 @@
-"""A URDF reader of the tests' own: another parser, the whole robot link by link, Newton and Euler in the inertial frame.
+"""A URDF reader of the tests' own: another parser, link by link, Newton and Euler in the inertial frame.
 
 Nothing of the product is in it: what two readers agree on that share no line is what the file says.
 """

@@ -6,7 +6,7 @@ from random import Random
 
 
 def spelt_robot(seed: int) -> str:
-    """URDF text of a tree of 3 to 8 links, some of them fixed, some massless, some points; no moving end is massless."""
+    """URDF text of a tree of 3 to 8 links, some fixed, some massless, some points; no moving end is massless."""
     rng = Random(seed)
     count = rng.randint(3, 8)
     parents = [rng.randrange(index) for index in range(1, count)]
