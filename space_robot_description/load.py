@@ -20,7 +20,9 @@ from space_robot_description.share import config_dir, is_file, resource, shipped
 from space_robot_description.spec import Actuators, expand
 from space_robot_description.urdf import Tree, child_of, parse_urdf
 from space_robot_description.validation import nearest, parse_yaml, validate
-from space_robot_msgs_py.bounded_files import read_text, short
+from space_robot_description.xacro_file import expand_xacro, is_xacro
+from space_robot_msgs_py.bounded_files import read_bytes, short
+from space_robot_msgs_py.bounded_xml import decode_xml
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.limits import URDF_BYTES
@@ -76,7 +78,7 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
     Raises:
         SpaceRobotError: see `load_robot`.
     """
-    text, urdf_folder = _urdf_text(spec.urdf, folder)
+    text, urdf_folder = _urdf_text(spec, folder)
     urdf, notes = compose_urdf(spec, text, urdf_folder)
     tree = parse_urdf(urdf, f"{spec.name} urdf")
     model, rows = build_model(tree)
@@ -104,11 +106,17 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
     )
 
 
-def _urdf_text(urdf: str, folder: Path) -> tuple[str, Path | None]:
-    if urdf.lstrip().startswith("<"):
-        return urdf, None
-    path = resource(urdf, folder)
-    return read_text(path, URDF_BYTES, f"urdf {short(path)}"), path.parent
+def _urdf_text(spec: RobotSpec, folder: Path) -> tuple[str, Path | None]:
+    inside = spec.urdf.lstrip().startswith("<")
+    if spec.xacro_args and (inside or not is_xacro(spec.urdf)):
+        value = "URDF text" if inside else short(spec.urdf)
+        raise SpecError("only a xacro file has arguments", key="xacro_args", value=value, accepted="urdf: FILE.xacro")
+    if inside:
+        return spec.urdf, None
+    path = resource(spec.urdf, folder)
+    where = f"urdf {short(path)}"
+    data = expand_xacro(path, spec.xacro_args) if is_xacro(spec.urdf) else read_bytes(path, URDF_BYTES, where)
+    return decode_xml(data, where), path.parent
 
 
 def _column(rows: Mapping[str, JointRow], field: str) -> Vector:
@@ -139,4 +147,4 @@ def _tool(spec: RobotSpec, tree: Tree) -> str:
 def _resolved(spec: RobotSpec, urdf: str, actuators: Actuators) -> dict[str, Any]:
     """The file whose URDF holds base, locks, limits and inertias: nothing else is needed to make the robot again."""
     done: dict[str, Any] = {"urdf": urdf, "base": None, "locked_joints": {}, "joint_limits": {}, "actuators": actuators}
-    return spec.model_copy(update=done).model_dump(mode="json", exclude={"inertia"})
+    return spec.model_copy(update=done).model_dump(mode="json", exclude={"inertia", "xacro_args"})

@@ -81,7 +81,10 @@ class RobotSpec(Strict):
         min_length=1,
         max_length=URDF_BYTES.most,
         description="path relative to this file, package://<package>/<path>, example-robot-data:<path under robots/>, "
-        "or the URDF text itself",
+        "or the URDF text itself; FILE.xacro is expanded where the extra `xacro` is installed",
+    )
+    xacro_args: dict[str, bool | int | float | str] = Field(
+        default_factory=dict, description="arguments of a xacro file by name"
     )
     base: BaseSpec | None = Field(
         default=None, description="present: the URDF is an arm and stands on this satellite; absent: it is everything"

@@ -89,6 +89,8 @@ def _link_attribute(joint: ET.Element, tag: str) -> str:
 
 
 def _tree(root: ET.Element, links: dict[str, ET.Element], joints: dict[str, ET.Element], where: str) -> Tree:
+    if not links:
+        raise SpecError("a URDF has one root link", key=where, value="no link", accepted="<link name=...>")
     children: dict[str, list[str]] = {name: [] for name in links}
     parents: dict[str, str] = {}
     for name in sorted(joints):

@@ -24,7 +24,9 @@ _IN_INERTIAL = ("origin", "mass", "inertia")
 _OFF_DIAGONAL = ("ixy", "ixz", "iyz")
 _LOOKS = ("size", "scale", "radius", "length", "rgba")
 _NUMERIC = {name for names in (*ATTRIBUTES.values(), _LOOKS) for name in names} - {"link", "joint"}
-_XACRO = "plain URDF: run xacro on it first"
+_XACRO = (
+    "`urdf: FILE.xacro` in the robot file, or plain URDF, which `xacro FILE.xacro -o FILE.urdf` makes of the source"
+)
 
 
 def plain_robot(root: ET.Element, where: str) -> None:
