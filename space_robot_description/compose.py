@@ -128,11 +128,13 @@ def _lock(tree: Tree, locked: Mapping[str, float]) -> None:
     moving = [name for name, joint in tree.joints.items() if kind_of(joint) in MOVING]
     check_joint_names(list(locked), moving, "locked_joints")
     positions = dict(locked)
-    for name, joint in tree.joints.items():
-        mimic = joint.find("mimic")
-        if mimic is not None and mimic.get("joint") in locked and name not in positions:
-            factor, offset = (number(mimic, field, f"joint {name}") for field in ("multiplier", "offset"))
-            positions[name] = (1.0 if factor is None else factor) * locked[mimic.get("joint", "")] + (offset or 0.0)
+    # A follower may follow a follower, in any order in the file.
+    followers = {name: mimic for name, joint in tree.joints.items() if (mimic := joint.find("mimic")) is not None}
+    while found := [n for n, mimic in followers.items() if n not in positions and mimic.get("joint") in positions]:
+        for name in found:
+            factor, offset = (number(followers[name], field, f"joint {name}") for field in ("multiplier", "offset"))
+            master = positions[followers[name].get("joint", "")]
+            positions[name] = (1.0 if factor is None else factor) * master + (offset or 0.0)
     for name, position in positions.items():
         _fix(name, tree.joints[name], position)
 

@@ -53,14 +53,16 @@ def read_joint(name: str, joint: ET.Element) -> JointRow | None:
             key=key,
             accepted="lock it, or the joint it follows, in locked_joints",
         )
-    return JointRow(axis_of(joint, key), *_limits(kind, joint.find("limit"), key), prismatic=kind == "prismatic")
+    return JointRow(axis_of(joint, key), *_limits(name, kind, joint.find("limit")), prismatic=kind == "prismatic")
 
 
-def _limits(kind: str, limit: ET.Element | None, key: str) -> tuple[float, float, float, float]:
+def _limits(name: str, kind: str, limit: ET.Element | None) -> tuple[float, float, float, float]:
+    key, advice = f"joint {name}", f"joint_limits: {{{name}: {{lower: -1.5, upper: 1.5}}}} in the robot file"
     if limit is None:
         if kind == "continuous":
             return -math.inf, math.inf, math.inf, 0.0
-        raise SpecError(f"{kind} joint without <limit>", key=key, accepted="<limit lower= upper= effort= velocity=>")
+        accepted = f"<limit lower= upper= effort= velocity=>, or {advice}"
+        raise SpecError(f"{kind} joint without <limit>", key=key, accepted=accepted)
     velocity, effort = number(limit, "velocity", key) or math.inf, number(limit, "effort", key) or 0.0
     if velocity < 0.0 or effort < 0.0:
         raise SpecError("limit is negative", key=key, value=f"velocity {velocity}, effort {effort}", accepted=">= 0")
@@ -68,5 +70,6 @@ def _limits(kind: str, limit: ET.Element | None, key: str) -> tuple[float, float
         return -math.inf, math.inf, velocity, effort
     lower, upper = number(limit, "lower", key) or 0.0, number(limit, "upper", key) or 0.0
     if not lower < upper:
-        raise SpecError("limits are not in order", key=key, value=[lower, upper], accepted="lower < upper")
+        accepted = f"lower < upper, e.g. by {advice}"
+        raise SpecError("limits are not in order", key=key, value=[lower, upper], accepted=accepted)
     return lower, upper, velocity, effort

@@ -127,11 +127,18 @@ def _column(rows: Mapping[str, JointRow], field: str) -> Vector:
 
 
 def _home(spec: RobotSpec, rows: Mapping[str, JointRow]) -> Vector:
-    home = expand(spec.home, tuple(rows), "home", default=[0.0] * len(rows))
-    for (name, row), position in zip(rows.items(), home.tolist(), strict=True):
-        if not row.lower <= position <= row.upper:
-            accepted = f"{row.lower:g}..{row.upper:g}"
-            raise SpecError("home is outside the joint limits", key=f"home.{name}", value=position, accepted=accepted)
+    nearest_to_0 = [min(max(0.0, row.lower), row.upper) for row in rows.values()]
+    home = expand(spec.home, tuple(rows), "home", default=nearest_to_0)
+    stands = dict(zip(rows, home.tolist(), strict=True))
+    outside = {name: row for name, row in rows.items() if not row.lower <= stands[name] <= row.upper}
+    if len(outside) == 1:
+        name, row = next(iter(outside.items()))
+        accepted = f"{row.lower:g}..{row.upper:g}"
+        raise SpecError("home is outside the joint limits", key=f"home.{name}", value=stands[name], accepted=accepted)
+    if outside:
+        value = ", ".join(f"{name} {stands[name]:g}" for name in outside)
+        accepted = ", ".join(f"{name} {row.lower:g}..{row.upper:g}" for name, row in outside.items())
+        raise SpecError("home is outside the joint limits", key="home", value=value, accepted=accepted)
     return home
 
 

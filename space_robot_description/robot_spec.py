@@ -93,7 +93,9 @@ class RobotSpec(Strict):
         description="free_floating: no force on the base; free_flying: thrusters push it"
     )
     actuators: Actuators
-    home: PerJoint = Field(default_factory=dict, description="[rad or m]; joints not named stand at 0")
+    home: PerJoint = Field(
+        default_factory=dict, description="[rad or m]; joints not named stand at 0, or at the limit nearest to it"
+    )
     locked_joints: dict[str, float] = Field(default_factory=dict, description="joint: position it is fixed at")
     joint_limits: dict[str, JointLimits] = Field(
         default_factory=dict, description="joint: limits instead of the URDF's"
