@@ -28,12 +28,20 @@ ARMS = {
     "panda_sat": ("panda_description/urdf/panda.urdf", {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.02}),
 }
 
+# Cylinders of 0.06 m radius and 0.12 m length, which the robot file has instead of the URDF's of 0.6 m radius.
+WRISTS = {
+    f"wrist_{number}_joint": [mass * (3 * 0.06**2 + 0.12**2) / 12] * 2 + [mass * 0.06**2 / 2]
+    for number, mass in ((1, 1.219), (2, 1.219), (3, 0.1879))
+}
+
 
 def _bare_arm(name: str) -> Any:
     """The wheel's own URDF, fixed base, built by Pinocchio alone."""
     path, locked = ARMS[name]
     full = pin.buildModelFromUrdf(str(resource(f"example-robot-data:{path}", Path())))
     full.gravity.setZero()
+    for joint_name, moments in WRISTS.items() if name == "ur5_sat" else ():
+        full.inertias[full.getJointId(joint_name)].inertia = np.diag(moments)
     q = pin.neutral(full)
     for joint_name, position in locked.items():
         q[full.joints[full.getJointId(joint_name)].idx_q] = position
