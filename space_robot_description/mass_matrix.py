@@ -28,6 +28,25 @@ def mass_matrix(model: Any, q: Vector) -> Vector:
     return full
 
 
+def reduced_mass_matrix(model: Any, joints: Vector) -> Vector:
+    """Return (3+n, 3+n) of base rotation and joints, the translation of the base eliminated [kg m2, kg m, kg].
+
+    ``M_red = M_rr - M_rt M_tt^-1 M_tr`` with t: base translation, r: base rotation and joints.
+
+    Args:
+        model: ``pin.Model`` of a robot.
+        joints: (n,) positions; the pose of the base does not matter [rad or m].
+    """
+    full = mass_matrix(model, np.concatenate([pin.neutral(model)[:7], joints]))
+    reduced: Vector = full[3:, 3:] - full[3:, :3] @ np.linalg.solve(full[:3, :3], full[:3, 3:])
+    return reduced
+
+
+def coupling_condition(model: Any, joints: Vector) -> float:
+    """2-norm condition number of the reduced mass matrix; radians and metres are mixed where joints are prismatic."""
+    return float(np.linalg.cond(reduced_mass_matrix(model, joints)))
+
+
 def check_invertible(model: Any, q: Vector, bodies: Sequence[str]) -> None:
     """Refuse a robot that no finite effort moves: its mass matrix is singular.
 
