@@ -121,7 +121,7 @@ def _check_bodies(tree: Tree, bodies: Mapping[str, LinkBody], model: Any, moving
         try:
             check_body(link, inertia.mass, inertia.lever, inertia.inertia)
         except InertiaError as error:
-            wrong = [name for name in _parts(tree, link) if not can_exist(name, bodies[name])]
+            wrong = [n for n in _parts(tree, link) if bodies[n].mass > 0.0 and not can_exist(n, bodies[n])]
             advice = f"; or inertia: {{project: [{', '.join(wrong)}]}} in the robot file" if wrong else ""
             accepted = f"{error.accepted}{advice}"
             raise InertiaError(error.message, key=error.key, value=error.value, accepted=accepted) from None
