@@ -14,13 +14,14 @@ from space_robot_msgs_py.errors import SpecError
 
 # Simulator and driver extensions say nothing about the body; they also quote joint names that may be changed here.
 IGNORED = ("gazebo", "transmission", "ros2_control")
+_IN_INERTIAL = ("origin", "mass", "inertia")
 # A misspelt one of these would lose what it says; whatever else stands there is another program's.
 _MEANT = {
     "robot": ("link", "joint"),
     "link": ("inertial",),
+    "inertial": _IN_INERTIAL,
     "joint": ("origin", "parent", "child", "axis", "limit", "mimic"),
 }
-_IN_INERTIAL = ("origin", "mass", "inertia")
 _OFF_DIAGONAL = ("ixy", "ixz", "iyz")
 _LOOKS = ("size", "scale", "radius", "length", "rgba")
 _NUMERIC = {name for names in (*ATTRIBUTES.values(), _LOOKS) for name in names} - {"link", "joint"}
@@ -33,8 +34,8 @@ def plain_robot(root: ET.Element, where: str) -> None:
     """Bring a ``<robot>`` into the one spelling that composition, the model and other programs read alike.
 
     Removed: elements and attributes of other name spaces, and ``IGNORED``. A default name space on ``<robot>`` is no
-    other one. ``quat_xyzw`` becomes ``rpy``, what is left out and means 0 is
-    written, numbers lose the blanks around them.
+    other one. ``quat_xyzw`` becomes ``rpy``, what is left out and means 0 is written, numbers lose the blanks around
+    them.
 
     Raises:
         SpecError: not a URDF, a version that does not exist, xacro, an element twice, or a name that is none of URDF's.
@@ -47,7 +48,7 @@ def plain_robot(root: ET.Element, where: str) -> None:
         for element in [child for child in owner if child.tag in IGNORED]:
             owner.remove(element)
     _refuse_macros(root, where)
-    _drop_foreign(root)
+    _drop_foreign(root, where)
     _refuse_expressions(root, where)
     _check_names(root, where)
     for tag in ("link", "joint"):
@@ -98,9 +99,13 @@ def _refuse_expressions(root: ET.Element, where: str) -> None:
                     raise SpecError("xacro in the URDF", key=where, value=text.strip()[:80], accepted=_XACRO)
 
 
-def _drop_foreign(root: ET.Element) -> None:
+def _drop_foreign(root: ET.Element, where: str) -> None:
     for element in list(root.iter()):
         for child in [child for child in element if child.tag.startswith("{")]:
+            space, _, name = child.tag[1:].partition("}")
+            if name in _MEANT.get(element.tag, ()):
+                what = f"<{name}> in <{element.tag}> has another name space"
+                raise SpecError(what, key=where, value=space, accepted=f"<{name}> without one")
             element.remove(child)
         for name in [name for name in element.attrib if name.startswith("{")]:
             del element.attrib[name]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,14 @@ def test_xacro_in_a_urdf_is_refused_with_what_to_do(text: str) -> None:
     ) as error:
         load_robot(robot_file(text))
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("tag", ["link", "inertial", "mass", "joint", "axis"])
+def test_parts_of_the_robot_in_other_name_spaces_are_refused(tag: str) -> None:
+    """A link, a joint or what they are made of is not dropped because of its name space."""
+    text = re.sub(rf"<{tag}(?=[ >])", f'<{tag} xmlns="urn:other"', PLAIN, count=1)
+    with pytest.raises(SpecError, match=rf"<{tag}> in <\w+> has another name space; got 'urn:other'"):
+        load_robot(robot_file(text))
 
 
 DECLARED = '<?xml version="1.0" encoding="{}"?>'
