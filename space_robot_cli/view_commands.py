@@ -29,7 +29,10 @@ def report(
     page: Annotated[Path | None, typer.Option("--out", "-o", help="the page; default: beside it, NAME.html")] = None,
     meshes: MeshesOption = None,
 ) -> None:
-    """Write one page that works offline: verdict, plots, 3-D playback, provenance; of a campaign what it adds up to."""
+    """Write a page of a run or campaign: verdict, plots, 3-D.
+
+    It works offline. Of a campaign it says what it adds up to.
+    """
     from space_robot_description.share import is_file
     from space_robot_studies.campaign.directory import CAMPAIGN
 
@@ -59,7 +62,10 @@ def view(
     no_browser: NoBrowserOption = False,
     meshes: MeshesOption = None,
 ) -> None:
-    """Show a log in the browser: the robot, what was desired, torques, the way of the tool; Ctrl-C ends it."""
+    """Show a log in the browser, until Ctrl-C.
+
+    The robot, what was desired, torques, the way of the tool.
+    """
     show_log(log, port=port, open_browser=not no_browser, meshes=meshes or ())
 
 

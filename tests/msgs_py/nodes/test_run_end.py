@@ -41,7 +41,7 @@ def pair() -> Iterator[tuple[GraphNode, GraphNode, Until]]:
 
 
 def test_an_end_that_comes_before_the_begin_ends_the_run(pair: tuple[GraphNode, GraphNode, Until]) -> None:
-    """Or the node would wait for ever: nobody says it again."""
+    """Or the node would wait for ever: it is said once."""
     speaker, listener, until = pair
     end, begin = speaker.publisher(RUN_END), speaker.publisher(RUN_BEGIN)
     end.publish(encode_end(RunEnd("ours", "/simulator", "completed")))
