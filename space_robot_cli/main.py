@@ -35,6 +35,7 @@ from space_robot_cli.app import (
 from space_robot_cli.view_commands import NoBrowserOption, PortOption, beside, show_log
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.extras import install
 
 if TYPE_CHECKING:
     from space_robot_bringup.experiment.experiment import Experiment
@@ -206,7 +207,7 @@ def plot(
     try:
         from space_robot_report.figures.log import draw
     except ImportError as error:
-        raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
+        raise SpecError(f"plot needs matplotlib ({error})", accepted=install("viz")) from None
     place = picture or beside(log, ".png")
     draw(log, place)
     out.print(f"picture: {place}", markup=False, soft_wrap=True)
