@@ -11,6 +11,7 @@ from pathlib import Path
 
 from space_robot_msgs_py.bounded_files import read_bytes, short
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.extras import install
 from space_robot_msgs_py.limits import URDF_BYTES
 
 SECONDS = 60.0
@@ -39,9 +40,7 @@ def expand_xacro(path: Path, arguments: Mapping[str, bool | int | float | str]) 
     """
     where = f"urdf {short(path)}"
     if importlib.util.find_spec("xacro") is None:
-        accepted = (
-            f"pip install xacro (extra: space-robot[xacro]), or the URDF that `xacro {path.name} -o FILE.urdf` makes"
-        )
+        accepted = f"{install('xacro')}, or the URDF that `xacro {path.name} -o FILE.urdf` makes"
         raise SpecError("xacro is not installed", key=where, accepted=accepted)
     with tempfile.TemporaryDirectory() as folder:
         # To a file, of which no more is read than a URDF may have.

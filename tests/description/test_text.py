@@ -154,7 +154,9 @@ def test_without_xacro_the_advice_is_a_command(tmp_path: Path, monkeypatch: pyte
     """Where the extra is not installed, the error says what installs it and what does without it."""
     (tmp_path / "my.urdf.xacro").write_text(XACRO)
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(SpecError, match=r"not installed; accepted: pip install xacro .*`xacro my\.urdf\.xacro -o FILE"):
+    with pytest.raises(
+        SpecError, match=r"not installed; accepted: install space-robot\[xacro\]: pip .*`xacro my\.urdf\.xacro -o FILE"
+    ):
         load_robot(robot_file(str(tmp_path / "my.urdf.xacro")))
 
 
