@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -17,7 +18,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     help="Flight software of a space robot, emulated: run experiments, record them, look at robots.",
-    epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
+    epilog="Exit codes: 0 fine, also where nothing was expected, 1 the run failed its verdict, 2 bad input or usage.",
 )
 # A pipe has no width of its own; 80 columns would cut numbers.
 out = PlainConsole(width=None if sys.stdout.isatty() else 120)
@@ -45,6 +46,12 @@ LawOption = Annotated[
 ]
 AllowCodeOption = Annotated[
     bool, typer.Option("--allow-code", help="run the code the data names; only for data whose maker you trust")
+]
+JunitOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--junit", metavar="FILE", help="also write JUnit XML, a test case per expectation, run or comparison"
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from space_robot_cli.app import FAILED, AllowCodeOption, JsonOption, LawOption, SetOption, app, err, out
+from space_robot_cli.app import FAILED, AllowCodeOption, JsonOption, JunitOption, LawOption, SetOption, app, err, out
 from space_robot_msgs_py.errors import SpecError
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def replay(
     ] = "state",
     law: LawOption = None,
     allow_code: AllowCodeOption = False,
+    junit: JunitOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Compute a recorded run again and compare every number with the log, or publish it to a node of your own."""
@@ -64,12 +65,15 @@ def replay(
     from space_robot_bringup.replay.publish import PublishOptions
     from space_robot_bringup.replay.recording import Code
     from space_robot_bringup.replay.replay import ReplayOptions, replay
+    from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render import replay as show
+    from space_robot_cli.render.suites import replay_suite
 
+    check_junit(junit)
     tolerance = Tolerance(rtol, atol, tuple(name.lstrip("/") for name in ignore or ()))
     if publish:
-        if as_json or set_ or experiment or update_refs or law or allow_code or against != "both":
-            key = "--against, --set, --experiment, --update-refs, --law, --allow-code, --json"
+        if as_json or junit or set_ or experiment or update_refs or law or allow_code or against != "both":
+            key = "--against, --set, --experiment, --update-refs, --law, --allow-code, --junit, --json"
             raise SpecError("means nothing to --publish", key=key, accepted="--publish without it")
         _publish(bags, PublishOptions(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
         return
@@ -85,6 +89,7 @@ def replay(
         if update_refs:
             said = "replaced by a new run" if update_reference(one.recording) else "up to date"
             err.print(f"{bag}: {said}", markup=False, soft_wrap=True)
+    write_junit(junit, [replay_suite(one, bag) for one, bag in zip(done, bags, strict=True)])
     if as_json:
         found = [show.as_dict(one) for one in done]
         print(json.dumps(found[0] if len(found) == 1 else found, allow_nan=False))

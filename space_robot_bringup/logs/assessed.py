@@ -9,8 +9,10 @@ from pathlib import Path
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
+from space_robot_bringup.judge.conclusion import conclusion
 from space_robot_bringup.judge.judging import Judge, Judgement
 from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.remarks import Remark
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
@@ -42,6 +44,7 @@ class JudgedLog:
         composition: None where the experiment cannot be composed here.
         metrics: of all ticks; None without a composition.
         checks: the verdict, bound by bound; empty without a composition.
+        remarks: what else happened, whatever was expected.
         events: what was changed in the run, in order; the first 10,000.
         troubles: what is wrong with the log, a line each; empty for a whole one.
     """
@@ -56,8 +59,14 @@ class JudgedLog:
     composition: Composition | None
     metrics: RunMetrics | None
     checks: tuple[Check, ...]
+    remarks: tuple[Remark, ...]
     events: tuple[ControllerEvent, ...]
     troubles: tuple[str, ...]
+
+    @property
+    def conclusion(self) -> str:
+        """``PASS``, ``FAIL``, or in words that nothing was expected; empty without a composition."""
+        return conclusion(self.checks) if self.checks else ""
 
 
 def read_judged(path: StrPath) -> JudgedLog:
@@ -81,7 +90,7 @@ def read_judged(path: StrPath) -> JudgedLog:
     end_reason = _end_reason(reader, troubles)
     if end_reason is None:
         troubles.append(f"the log was truncated: what is here ends at {arrays.time[-1]:g} s, and why is not known")
-    metrics, checks = reading.judged(end_reason or "cut", found)
+    judged = reading.judged(end_reason or "cut", found)
     return JudgedLog(
         path=reader.path,
         header=reader.header,
@@ -91,8 +100,9 @@ def read_judged(path: StrPath) -> JudgedLog:
         arrays=arrays,
         experiment=experiment,
         composition=composition,
-        metrics=metrics,
-        checks=checks,
+        metrics=judged.metrics,
+        checks=judged.checks,
+        remarks=judged.remarks,
         events=tuple(reading.events),
         troubles=(*troubles, *found),
     )
@@ -135,13 +145,13 @@ class _Reading:
     def judged(self, reason: str, troubles: list[str]) -> Judgement:
         """Metrics and verdict; why there is none is added to the troubles."""
         if self._judge is None:
-            return None, ()
+            return Judgement(None, ())
         try:
             return self._judge.verdict(reason)
         except (SpaceRobotError, ValueError) as error:
             # A log of another plant may lack the telemetry that metrics are made of.
             troubles.append(f"no verdict: {error}")
-            return None, ()
+            return Judgement(None, ())
 
     def _rows(self, reader: LogReader) -> Iterator[Row]:
         try:

@@ -13,7 +13,9 @@ import numpy as np
 
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
+from space_robot_bringup.judge.conclusion import conclusion, passed
 from space_robot_bringup.judge.judging import judge_blocks
+from space_robot_bringup.judge.remarks import Remark
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.bounded_files import is_file
@@ -64,15 +66,22 @@ class Verdict:
     Attributes:
         checks: bound by bound; none where it cannot be judged.
         why_not: why it cannot be judged, or nothing.
+        remarks: what else happened, whatever was expected.
     """
 
     checks: tuple[Check, ...] = ()
     why_not: str = ""
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def passed(self) -> bool | None:
-        """Every bound holds; None: it cannot be determined."""
-        return all(check.passed for check in self.checks) if self.checks else None
+        """See ``RunResult.passed``; None also where it cannot be determined."""
+        return passed(self.checks) if self.checks else None
+
+    @property
+    def conclusion(self) -> str:
+        """``PASS``, ``FAIL``, or in words that nothing was expected; empty where it cannot be determined."""
+        return conclusion(self.checks) if self.checks else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,5 +239,7 @@ def _words(experiment: Experiment) -> dict[str, str]:
 
 
 def _verdict(reader: LogReader, experiment: Experiment, reason: str | None) -> Verdict:
-    metrics, checks = judge_blocks(reader.event_blocks(), compose_logged(experiment), reason or "cut")
-    return Verdict(checks) if metrics is not None else Verdict(why_not="no complete tick")
+    found = judge_blocks(reader.event_blocks(), compose_logged(experiment), reason or "cut")
+    if found.metrics is None:
+        return Verdict(why_not="no complete tick")
+    return Verdict(found.checks, remarks=found.remarks)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from space_robot_bringup.judge.conclusion import passed
 from space_robot_bringup.logs.assessed import JudgedLog, read_judged
 from space_robot_description.visual import look_of
 from space_robot_msgs_py.atomic_file import write_atomically
@@ -82,7 +83,7 @@ def _summary(judged: JudgedLog) -> str:
 
 def _verdict(judged: JudgedLog) -> dict[str, Any]:
     checks = judged.checks
-    return {"known": bool(checks), "passed": all(check.passed for check in checks), "checks": checks}
+    return {"conclusion": judged.conclusion, "passed": passed(checks), "checks": checks, "remarks": judged.remarks}
 
 
 def _played(judged: JudgedLog, troubles: list[str], meshes: Sequence[Path]) -> tuple[dict[str, Any] | None, str]:

@@ -47,7 +47,6 @@ def _about(judged: JudgedLog) -> str:
     experiment = judged.experiment
     law = f"Law <code>{html(experiment.controller.law)}</code>. " if experiment else ""
     title = f"<p><b>{html(experiment.title)}</b></p>" if experiment and experiment.title else ""
-    verdict = ""
-    if judged.checks:
-        verdict = "PASS. " if all(check.passed for check in judged.checks) else "FAIL. "
-    return f"{title}<p>{law}{verdict}Ended: {html(judged.end_reason or 'cut')}.</p>"
+    verdict = f"{html(judged.conclusion[:1].upper() + judged.conclusion[1:])}. " if judged.checks else ""
+    remarks = "".join(f"<p>{html(remark.line)}</p>" for remark in judged.remarks)
+    return f"{title}<p>{law}{verdict}Ended: {html(judged.end_reason or 'cut')}.</p>{remarks}"
