@@ -1,11 +1,12 @@
-"""The commands that work on logs: replay, info, recover."""
+"""The commands that work on logs: replay, info, events, recover."""
 
 from __future__ import annotations
 
 import json
 import signal
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -15,6 +16,7 @@ from space_robot_msgs_py.errors import SpecError
 if TYPE_CHECKING:
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.publish import PublishOptions
+    from space_robot_supervisor.table import Severity
 
 
 @app.command()
@@ -136,6 +138,43 @@ def info(
         print(json.dumps(show.info_dict(found), allow_nan=False))
     else:
         show.print_info(out, found)
+
+
+@app.command()
+def events(
+    bag: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    severity: Annotated[
+        str, typer.Option(help="only events as severe or more severe: info, low, medium or high")
+    ] = "info",
+    source: Annotated[
+        list[str] | None,
+        typer.Option(help="only events of this source: fault, plant, supervisor or controller; may repeat"),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say what happened in a run: faults, what the plant refused, monitors, commands, modes, changes of the law."""
+    from space_robot_bringup.logs.happened import SEVERITIES, SOURCES, events_of_log
+    from space_robot_cli.render import events as show
+    from space_robot_msgs_py.log.reader import LogReader
+
+    _check_choice("--severity", severity, SEVERITIES)
+    for one in source or ():
+        _check_choice("--source", one, SOURCES)
+    witness, trouble = events_of_log(LogReader(bag))
+    grave = SEVERITIES[SEVERITIES.index(cast("Severity", severity)) :]
+    found = [one for one in witness.events if one.severity in grave and (not source or one.source in source)]
+    if trouble:
+        err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
+    if as_json:
+        listed = {"path": str(bag), "events": [show.event_dict(one) for one in found], "left_out": witness.left_out}
+        print(json.dumps(listed | {"trouble": trouble or None}, allow_nan=False))
+    else:
+        show.print_events(out, found, witness.left_out)
+
+
+def _check_choice(option: str, value: str, accepted: Sequence[str]) -> None:
+    if value not in accepted:
+        raise SpecError("no such choice", key=option, value=value, accepted=", ".join(accepted))
 
 
 @app.command()

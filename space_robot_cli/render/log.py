@@ -32,6 +32,11 @@ def print_info(console: Console, info: BagInfo) -> None:
         _say(console, "by its index: gaps and damage were not looked for, --full does", "yellow")
     if info.provenance:
         _say(console, f"ended: {info.end_reason or 'the log was truncated'}")
+    if info.verdict.events:
+        counts = ", ".join(f"{count} {severity}" for severity, count in info.verdict.events.items())
+        _say(console, f"events: {counts}; each with: space-robot events {info.path}")
+    for line in info.verdict.spans.said:
+        _say(console, line)
     missed(console, info.verdict.checks, info.verdict.remarks)
     if info.verdict.conclusion:
         _say(console, f"verdict: {info.verdict.conclusion}", STYLES[info.verdict.passed])
@@ -84,6 +89,9 @@ def info_dict(info: BagInfo) -> dict[str, Any]:
         "passed": info.verdict.passed,
         "verdict": info.verdict.conclusion or None,
         "remarks": [asdict(remark) for remark in info.verdict.remarks],
+        "modes": [asdict(span) for span in info.verdict.spans.modes],
+        "faults": [asdict(span) for span in info.verdict.spans.faults],
+        "events": dict(info.verdict.events),
         "why_not": info.verdict.why_not,
         "checks": [asdict(check) for check in info.verdict.checks],
     }

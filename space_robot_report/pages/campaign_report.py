@@ -82,6 +82,7 @@ def campaign_page(campaign: Campaign, rows: Sequence[Columns], versions: Mapping
         "dispersed": {key: draw.model_dump(exclude_none=True) for key, draw in campaign.disperse.items()},
         "versions": versions,
         "marks": embedded([]),
+        "bands": embedded([]),
         "campaign": {"seed": campaign.seed, "runs per point": campaign.runs, "points": campaign.points},
     }
     return interactive_page(TEMPLATE, book, content)
