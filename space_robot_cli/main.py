@@ -108,7 +108,10 @@ def run(
     mode: Annotated[
         str | None, typer.Option(help=f"one of: {', '.join(MODES)}; default headless, with --from graph")
     ] = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="run directory; default runs/<name>")] = None,
+    directory: Annotated[
+        Path | None, typer.Option("--out", help="run directory; default runs/<name>, numbered where a run is in it")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a run that is in the run directory")] = False,
     realtime: Annotated[
         float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
     ] = None,
@@ -139,13 +142,14 @@ def run(
     mode = mode or ("headless" if campaign_directory is None else "graph")
     if timeout is not None and not 0.0 < timeout < float("inf"):
         raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
-    from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration, with_faults
+    from space_robot_bringup.experiment.experiment import load_experiment, run_name, with_duration, with_faults
     from space_robot_bringup.logs.logged import law_policy, with_laws
     from space_robot_bringup.modes.run import check_pace
     from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render import run as render
     from space_robot_cli.render.suites import run_suite
     from space_robot_control.laws.policy import TYPED
+    from space_robot_msgs_py.log.free_directory import checked_directory, free_directory
     from space_robot_studies.campaign.rerun import case_experiment, differences
 
     check_pace(mode, realtime)
@@ -160,10 +164,14 @@ def run(
         raise SpecError("is for --from", key="--law, --allow-code", accepted=accepted)
     elif experiment is not None and campaign_directory is None and index is None:
         spec = with_faults(with_duration(load_experiment(experiment, set_ or ()), duration), fault or ())
-        name = experiment_path(experiment).stem
+        name = run_name(experiment)
     else:
         raise SpecError("give either EXPERIMENT or --from DIR --index K, not both", key="run")
-    place = directory or Path("runs") / name
+    place = (
+        free_directory(Path("runs") / name, overwrite=overwrite)
+        if directory is None
+        else checked_directory(directory, overwrite=overwrite)
+    )
     result = _run(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json)
     write_junit(junit, [run_suite(name, spec, mode, result)] if junit is not None else ())
     # A paced run may miss commands, which no row of a campaign does.

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any
 
-from space_robot_bringup.experiment.experiment import dump_yaml
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.atomic_file import TEMPORARY, write_atomically
 from space_robot_msgs_py.bounded_files import is_file, short

@@ -12,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from space_robot_bringup.experiment.experiment import dump_yaml, load_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_bringup.replay.publish import open_broadcast
 from space_robot_cli.main import app

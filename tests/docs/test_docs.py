@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from space_robot_bringup.compose.composition import compose
-from space_robot_bringup.experiment.experiment import dump_yaml, experiment_from, load_experiment
+from space_robot_bringup.experiment.experiment import experiment_from, load_experiment
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_cli.main import main
 from space_robot_description.validation import parse_yaml_text
