@@ -181,5 +181,5 @@ def test_the_picture_has_a_panel_of_modes_and_faults(bag: Path) -> None:
 
     figure = Figure()
     _draw(figure, LogReader(bag))
-    assert [panel.get_title(loc="left") for panel in figure.axes][0] == "mode, faults"
+    assert figure.axes[0].get_title(loc="left") == "mode, faults"
     assert len(figure.axes) == 5
