@@ -108,7 +108,7 @@ def test_run_and_replay_write_what_they_print(
     )
     said = json.loads(capsys.readouterr().out)
     (suite,) = checked(xml.read_text(encoding="utf-8")).iter("testsuite")
-    assert (suite.attrib["name"], suite.attrib["failures"], suite.attrib["skipped"]) == ("fig08", "1", "1")
+    assert (suite.attrib["name"], suite.attrib["failures"], suite.attrib["skipped"]) == ("liu2023/fig08", "1", "1")
     assert len(list(suite.iter("testcase"))) == len(said["checks"])
     assert said["verdict"] == "FAIL"
     found = {check["requirement"]: check for check in said["checks"] if check["requirement"]}

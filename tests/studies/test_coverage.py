@@ -1,4 +1,4 @@
-"""The table of faults says of each run what became of the robot, and promises that are made of it are kept on a slice."""
+"""The table of faults says of each run what became of the robot; promises made of it are kept on a slice."""
 
 from __future__ import annotations
 
