@@ -8,16 +8,17 @@ from typing import Annotated
 
 import typer
 
+from space_robot_cli.panels import PanelGroup
 from space_robot_cli.terminal import PlainConsole
 
 FAILED, BAD_INPUT = 1, 2
 
 app = typer.Typer(
+    cls=PanelGroup,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
-    help="Flight software of a space robot, emulated: run experiments, record them, look at robots.",
     epilog="Exit codes: 0 fine, also where nothing was expected, 1 the run failed its verdict, 2 bad input or usage.",
 )
 # A pipe has no width of its own; 80 columns would cut numbers.
@@ -54,6 +55,23 @@ JunitOption = Annotated[
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        from space_robot_msgs_py.version import __version__
+
+        print(f"space-robot {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def tool(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", is_eager=True, callback=_show_version)
+    ] = False,
+) -> None:
+    """Flight software of a space robot, emulated: run experiments, record them, look at robots."""
 
 
 def warn(warning: str) -> None:

@@ -61,7 +61,10 @@ def replay(
     junit: JunitOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Compute a recorded run again and compare every number with the log, or publish it to a node of your own."""
+    """Compute a recorded run again and compare every number.
+
+    Or publish it to a node of your own, with --publish.
+    """
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.golden import update_reference
     from space_robot_bringup.replay.publish import PublishOptions
@@ -129,7 +132,7 @@ def info(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Say what is in a bag: topics, rates, gaps, provenance, damage, verdict."""
+    """Say what is in a bag: topics, gaps, damage, verdict."""
     from space_robot_bringup.logs.info import bag_info
     from space_robot_cli.render import log as show
 
@@ -183,7 +186,7 @@ def recover(
     directory: Annotated[Path | None, typer.Option("--out", "-o", help="default BAG_recovered")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Make a clean, indexed bag of a truncated or corrupted one and say what was lost."""
+    """Make a clean bag of a corrupted one; say what was lost."""
     from space_robot_cli.render import log as show
     from space_robot_msgs_py.log.recover import recover
 

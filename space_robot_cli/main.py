@@ -33,7 +33,7 @@ from space_robot_cli.app import (
     out,
     warn,
 )
-from space_robot_cli.view_commands import NoBrowserOption, PortOption, beside, show_log
+from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
@@ -51,20 +51,23 @@ INTERRUPTED = 130
 def list_shipped(
     kind: Annotated[
         str,
-        typer.Argument(help="experiments, papers, campaigns, supervision, robots or faults; default: what is shipped"),
+        typer.Argument(
+            help="experiments, papers, campaigns, supervision, robots, laws or faults; default: all but the last two"
+        ),
     ] = "",
+    name: Annotated[str, typer.Argument(help="only names that begin with this, e.g. liu2023")] = "",
 ) -> None:
-    """List the shipped experiments, papers, campaigns, supervision tables and robots, or explain the faults."""
-    from space_robot_cli.catalogue import catalogue, faults
+    """List what is shipped, and explain laws and faults."""
+    from space_robot_cli.catalogue import EXPLAINED, catalogue
 
-    if kind == "faults":
-        for line in faults():
+    if kind in EXPLAINED:
+        for line in EXPLAINED[kind](name):
             out.print(line, markup=False, soft_wrap=True)
         return
-    for heading, rows in catalogue(kind).items():
+    for heading, rows in catalogue(kind, name).items():
         out.print(heading, style="bold")
-        for name, title in rows.items():
-            out.print(f"  {name:<34}{title}", markup=False, soft_wrap=True)
+        for shipped, title in rows.items():
+            out.print(f"  {shipped:<34}{title}", markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -74,7 +77,7 @@ def check(
     fault: FaultOption = None,
     kind: Annotated[str, typer.Option(help="experiment, campaign or paper; default: what it looks like")] = "",
 ) -> None:
-    """Check an experiment, a campaign or a paper's manifest completely without running it."""
+    """Check an experiment, campaign or paper without running it."""
     from space_robot_cli.check import check_file, kind_of
 
     checked = check_file(file, kind or kind_of(file), set_ or (), err.print, faults=fault or ())
@@ -90,7 +93,10 @@ def robot(
     file: Annotated[str, typer.Argument(help="shipped name or YAML file")],
     as_json: JsonOption = False,
 ) -> None:
-    """Print mass, inertia, momentum capacity, reach and the condition of the base-arm coupling of a robot."""
+    """Print mass, inertia, momentum, reach, coupling of a robot.
+
+    The coupling is the condition of the part of the mass matrix that ties the base to the arm.
+    """
     from space_robot_cli.render import run as render
     from space_robot_description.load import load_robot
     from space_robot_description.report import robot_report
@@ -196,28 +202,25 @@ def run(
 
 
 @app.command()
-def plot(
-    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
-    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
-) -> None:
-    """Draw a log: attitude and joints, desired and measured, and the torques."""
-    try:
-        from space_robot_report.figures.log import draw
-    except ImportError as error:
-        raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
-    place = picture or beside(log, ".png")
-    draw(log, place)
-    out.print(f"picture: {place}", markup=False, soft_wrap=True)
-
-
-@app.command()
 def schema(
     kind: Annotated[str, typer.Argument(help="experiment, campaign or paper")] = "experiment",
 ) -> None:
-    """Print the JSON schema of experiment, campaign or paper files, for editors."""
+    """Print the JSON schema of a kind of file, for editors."""
     from space_robot_cli.check import schema_of
 
     print(json.dumps(schema_of(kind), indent=2))
+
+
+@app.command()
+def new(
+    kind: Annotated[str, typer.Argument(help="experiment, law, robot or study")],
+    name: Annotated[Path, typer.Argument(help="of the file, e.g. my_law")],
+) -> None:
+    """Write a working, commented start for a file of your own."""
+    from space_robot_cli.new import write_new
+
+    for path in write_new(kind, name):
+        out.print(f"written: {path}", markup=False, soft_wrap=True)
 
 
 def _run(
@@ -263,7 +266,7 @@ def main() -> Never:
     try:
         with raising(signal.SIGINT, signal.SIGTERM):
             # Without standalone mode an Exit of a command is what app returns.
-            code = app(standalone_mode=False)
+            code = app(prog_name="space-robot", standalone_mode=False)
     except SpaceRobotError as error:
         err.print(f"space-robot: {error}", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
@@ -284,6 +287,9 @@ def main() -> Never:
         show = getattr(error, "format_message", None)
         if show is None:
             raise
+        if type(error).__name__ == "NoArgsIsHelpError":
+            err.print(show(), markup=False)
+            sys.exit(BAD_INPUT)
         err.print(f"space-robot: {show()}; see --help", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
     if code == INTERRUPTED:

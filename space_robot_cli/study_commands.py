@@ -86,7 +86,7 @@ def compare_laws(
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write all tables")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Run laws side by side on one task and print what each did at each period."""
+    """Run laws side by side on one task, at several periods."""
     single_threaded()
     from space_robot_cli.compare import Options, run
     from space_robot_cli.study_options import StudyOptions
@@ -111,7 +111,7 @@ def reproduce(
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write the claims as a table")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Run the figures of a paper, draw them and judge its claims one by one."""
+    """Run the figures of a paper and judge its claims."""
     single_threaded()
     from space_robot_cli.reproduce import Options, run
     from space_robot_cli.study_options import StudyOptions

@@ -29,7 +29,10 @@ def report(
     page: Annotated[Path | None, typer.Option("--out", "-o", help="the page; default: beside it, NAME.html")] = None,
     meshes: MeshesOption = None,
 ) -> None:
-    """Write one page that works offline: verdict, plots, 3-D playback, provenance; of a campaign what it adds up to."""
+    """Write a page of a run or campaign: verdict, plots, 3-D.
+
+    It works offline. Of a campaign it says what it adds up to.
+    """
     from space_robot_description.share import is_file
     from space_robot_studies.campaign.directory import CAMPAIGN
 
@@ -59,8 +62,26 @@ def view(
     no_browser: NoBrowserOption = False,
     meshes: MeshesOption = None,
 ) -> None:
-    """Show a log in the browser: the robot, what was desired, torques, the way of the tool; Ctrl-C ends it."""
+    """Show a log in the browser, until Ctrl-C.
+
+    The robot, what was desired, torques, the way of the tool.
+    """
     show_log(log, port=port, open_browser=not no_browser, meshes=meshes or ())
+
+
+@app.command()
+def plot(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
+) -> None:
+    """Draw attitude, joints and torques of a log to a file."""
+    try:
+        from space_robot_report.figures.log import draw
+    except ImportError as error:
+        raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
+    place = picture or beside(log, ".png")
+    draw(log, place)
+    out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
 
 def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path] = ()) -> None:
