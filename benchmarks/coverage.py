@@ -19,7 +19,7 @@ from space_robot_studies.campaign.directory import campaign_rows
 from space_robot_studies.campaign.spec import Campaign, load_campaign
 from space_robot_studies.engine.hooks import StudyHooks
 
-CAMPAIGN = "coverage_mini"
+CAMPAIGN = Path(__file__).with_name("coverage_mini.yaml")
 OUTCOMES = ("survives", "degrades", "safe", "lost")
 MOVING = ("base.rate", "joints.rate", "joints.beyond")
 ERRORS = ("error.attitude", "error.joints")

@@ -12,6 +12,7 @@ import typer
 
 from space_robot_cli.app import FAILED, AllowCodeOption, JsonOption, JunitOption, LawOption, SetOption, app, err, out
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.extras import install
 
 if TYPE_CHECKING:
     from space_robot_bringup.replay.comparison import Tolerance
@@ -113,7 +114,7 @@ def _publish(bags: list[Path], options: PublishOptions, tolerance: Tolerance) ->
     try:
         from space_robot_bringup.nodes import replayer
     except ImportError as error:
-        accepted = "install space-robot[ros], or source a Jazzy"
+        accepted = f"a sourced Jazzy, or {install('ros')}"
         raise SpecError(f"needs ROS 2 Jazzy ({error})", key="--publish", accepted=accepted) from None
     broadcast = open_broadcast(bags[0], options.namespace)
     answers = Answers(broadcast, tolerance)

@@ -12,6 +12,7 @@ import typer
 
 from space_robot_cli.app import app, err, out
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.extras import install
 
 PortOption = Annotated[int, typer.Option(help="of the viewer; the next free one if it is taken", min=1, max=65535)]
 NoBrowserOption = Annotated[bool, typer.Option("--no-browser", help="only print the address")]
@@ -48,7 +49,7 @@ def report(
             return
         from space_robot_report.pages.log_report import write_log_report
     except ImportError as error:
-        accepted = "install space-robot[viz], and space-robot[campaign] for campaigns"
+        accepted = install("viz,campaign")
         raise SpecError(f"report needs plotly and more ({error})", accepted=accepted) from None
     for trouble in write_log_report(place, target, meshes or ()).troubles:
         err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
@@ -78,7 +79,7 @@ def plot(
     try:
         from space_robot_report.figures.log import draw
     except ImportError as error:
-        raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
+        raise SpecError(f"plot needs matplotlib ({error})", accepted=install("viz")) from None
     place = picture or beside(log, ".png")
     draw(log, place)
     out.print(f"picture: {place}", markup=False, soft_wrap=True)
@@ -96,7 +97,7 @@ def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path]
         from space_robot_report.viewer.load import load_show
         from space_robot_report.viewer.serve import serve
     except ImportError as error:
-        raise SpecError(f"view needs viser ({error})", accepted="install space-robot[view]") from None
+        raise SpecError(f"view needs viser ({error})", accepted=install("view")) from None
     show, troubles = load_show(log, meshes)
     for trouble in troubles:
         err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)

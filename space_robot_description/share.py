@@ -13,6 +13,7 @@ from space_robot_description.validation import nearest
 from space_robot_msgs_py.bounded_files import is_file as is_file
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import InputFileError
+from space_robot_msgs_py.extras import install
 from space_robot_msgs_py.paths import StrPath
 
 DATA = Path("share") / "space_robot" / "config"
@@ -130,7 +131,7 @@ def _in_wheel(uri: str) -> Path:
             "the robots of the example-robot-data wheel are not installed",
             key="urdf",
             value=uri,
-            accepted="pip install example-robot-data (extra: space-robot[robots])",
+            accepted=install("robots"),
         )
     path = roots[0] / uri.removeprefix(WHEEL_SCHEME)
     if not is_file(path):

@@ -18,6 +18,7 @@ from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks, Stopwatch
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.extras import install
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.run_directory import GONE, RunDirectory
 from space_robot_msgs_py.log.writer import LogSink
@@ -200,7 +201,7 @@ def _execute(
             f"needs ROS 2 Jazzy ({error})",
             key="--mode",
             value=mode,
-            accepted="headless, or install space-robot[ros], or source a Jazzy",
+            accepted=f"headless, or a sourced Jazzy, or {install('ros')}",
         ) from None
     start = run_graph if mode == "graph" else run_processes
     return start(composition, directory, realtime=realtime, hooks=hooks)

@@ -17,6 +17,7 @@ from space_robot_bringup.judge.metrics import PER_AXIS, metric_names
 from space_robot_bringup.judge.verdict import check_bounds, check_expectations
 from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SilenceError, SpecError
+from space_robot_msgs_py.extras import install
 from space_robot_studies.campaign.cases import check_cases, make_case
 from space_robot_studies.campaign.directory import check_directory, open_campaign, to_yaml
 from space_robot_studies.campaign.run_case import CaseResult, Keep, failure, run_case, warm
@@ -127,7 +128,7 @@ class CheckedCampaign:
     ) -> CheckedCampaign:
         """Check everything; see ``run_campaign``."""
         if missing := [name for name in NEEDED if find_spec(name) is None]:
-            raise SpecError(f"a campaign needs {missing[0]}", accepted="install space-robot[campaign]")
+            raise SpecError(f"a campaign needs {missing[0]}", accepted=install("campaign"))
         check_directory(directory, campaign, resume=resume)
         firsts = check_cases(campaign, stop)
         # Points may differ in their robot, and so in their metrics.
