@@ -25,6 +25,7 @@ from space_robot_cli.app import (
     AllowCodeOption,
     FaultOption,
     JsonOption,
+    JunitOption,
     LawOption,
     SetOption,
     app,
@@ -32,10 +33,9 @@ from space_robot_cli.app import (
     out,
     warn,
 )
-from space_robot_cli.view_commands import NoBrowserOption, PortOption, beside, show_log
+from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_msgs_py.extras import install
 
 if TYPE_CHECKING:
     from space_robot_bringup.experiment.experiment import Experiment
@@ -140,6 +140,7 @@ def run(
         ),
     ] = None,
     debug: Annotated[bool, typer.Option("--debug", help="show the traceback of a law that fails")] = False,
+    junit: JunitOption = None,
     as_json: JsonOption = False,
     view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
     port: PortOption = 8080,
@@ -152,12 +153,15 @@ def run(
     from space_robot_bringup.experiment.experiment import load_experiment, run_name, with_duration, with_faults
     from space_robot_bringup.logs.logged import law_policy, with_laws
     from space_robot_bringup.modes.run import check_pace
+    from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render import run as render
+    from space_robot_cli.render.suites import run_suite
     from space_robot_control.laws.policy import TYPED
     from space_robot_msgs_py.log.free_directory import checked_directory, free_directory
     from space_robot_studies.campaign.rerun import case_experiment, differences
 
     check_pace(mode, realtime)
+    check_junit(junit)
     policy = TYPED
     if campaign_directory is not None and index is not None and not (experiment or set_ or fault or duration):
         spec = case_experiment(campaign_directory, index, allow_code=allow_code)
@@ -177,6 +181,7 @@ def run(
         else checked_directory(directory, overwrite=overwrite)
     )
     result = _run(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json)
+    write_junit(junit, [run_suite(name, spec, mode, result)] if junit is not None else ())
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     if as_json:
@@ -194,23 +199,8 @@ def run(
         # The user has just run this robot; one out of a campaign directory shows what any log may.
         folders = mesh_folders(load_robot(spec.robot).urdf) if campaign_directory is None else ()
         show_log(result.directory, port=port, open_browser=not no_browser, meshes=folders)
-    if found or not result.passed:
+    if found or result.passed is False:
         raise typer.Exit(FAILED)
-
-
-@app.command()
-def plot(
-    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
-    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
-) -> None:
-    """Draw attitude, joints and torques of a log to a file."""
-    try:
-        from space_robot_report.figures.log import draw
-    except ImportError as error:
-        raise SpecError(f"plot needs matplotlib ({error})", accepted=install("viz")) from None
-    place = picture or beside(log, ".png")
-    draw(log, place)
-    out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
 
 @app.command()

@@ -124,7 +124,7 @@ def test_changes_during_the_run_are_on_the_page(bag: Path, tmp_path: Path) -> No
     sink.close("completed")
     write_log_report(tmp_path / "run", tmp_path / "run.html")
     page = (tmp_path / "run.html").read_text(encoding="utf-8")
-    assert "Changed during the run" in own_markup(page)
+    assert "What happened" in own_markup(page)
     assert "gains.kappa" in own_markup(page)
     assert data_of(page, "marks") == [5.0]
 
