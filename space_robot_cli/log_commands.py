@@ -156,7 +156,10 @@ def events(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """List what happened in a run: faults, monitors, modes."""
+    """Say what happened in a run, with time and severity.
+
+    Faults, what the plant refused, monitors, commands, modes, changes of the law.
+    """
     from space_robot_bringup.logs.happened import SEVERITIES, SOURCES, events_of_log
     from space_robot_cli.render import events as show
     from space_robot_msgs_py.log.reader import LogReader

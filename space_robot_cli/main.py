@@ -106,6 +106,8 @@ def robot(
         print(json.dumps(report.to_dict(), allow_nan=False))
     else:
         render.robot(out, report)
+        for warning in report.warnings:
+            warn(warning)
 
 
 @app.command()

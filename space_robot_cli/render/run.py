@@ -124,6 +124,8 @@ def robot(console: Console, report: RobotReport) -> None:
         values = (row.lower, row.upper, row.home, row.effort, row.lag, row.viscous, row.coulomb)
         joints.add_row(markup(row.name), *(f"{value:.4g}" for value in values))
     console.print(joints)
+    for note in report.notes:
+        console.print(note, markup=False, soft_wrap=True)
 
 
 def _robot_totals(report: RobotReport) -> dict[str, str]:
