@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -18,7 +19,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
-    epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
+    epilog="Exit codes: 0 fine, also where nothing was expected, 1 the run failed its verdict, 2 bad input or usage.",
 )
 # A pipe has no width of its own; 80 columns would cut numbers.
 out = PlainConsole(width=None if sys.stdout.isatty() else 120)
@@ -46,6 +47,12 @@ LawOption = Annotated[
 ]
 AllowCodeOption = Annotated[
     bool, typer.Option("--allow-code", help="run the code the data names; only for data whose maker you trust")
+]
+JunitOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--junit", metavar="FILE", help="also write JUnit XML, a test case per expectation, run or comparison"
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
 

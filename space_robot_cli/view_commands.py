@@ -70,6 +70,21 @@ def view(
     show_log(log, port=port, open_browser=not no_browser, meshes=meshes or ())
 
 
+@app.command()
+def plot(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
+) -> None:
+    """Draw attitude, joints and torques of a log to a file."""
+    try:
+        from space_robot_report.figures.log import draw
+    except ImportError as error:
+        raise SpecError(f"plot needs matplotlib ({error})", accepted=install("viz")) from None
+    place = picture or beside(log, ".png")
+    draw(log, place)
+    out.print(f"picture: {place}", markup=False, soft_wrap=True)
+
+
 def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path] = ()) -> None:
     """Serve a log until Ctrl-C.
 

@@ -93,6 +93,7 @@ NAMED = {
 # Every command of the tool is one of these; a new one has to be put here.
 READ_LOGS: dict[str, tuple[tuple[str, ...], ...]] = {
     "info": ((), ("--json",)),
+    "events": ((), ("--json",)),
     "report": ((),),
     "plot": ((),),
     "recover": ((),),
