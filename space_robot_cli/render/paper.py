@@ -7,11 +7,14 @@ from rich.console import Console
 from rich.table import Table
 
 from space_robot_cli.terminal import markup
+from space_robot_studies.reproduce.readings import HOLDS
 from space_robot_studies.reproduce.summary import STYLES, Data, count, heading, sample
+
+OURS = {True: " (ours)", False: ""}
 
 
 def show(console: Console, data: Data) -> None:
-    """Print every claim with what was measured, then what is not as documented.
+    """Print every claim with what was measured, then what is not as expected.
 
     Args:
         console: where to.
@@ -28,24 +31,25 @@ def show(console: Console, data: Data) -> None:
         for table in figure["tables"]:
             console.print(_table(table))
         _troubles(console, figure)
-    word, style = ("as documented", "bold green") if data["passed"] else ("NOT as documented", "bold red")
+    word, style = ("as expected", "bold green") if data["passed"] else ("NOT as expected", "bold red")
     console.print(f"\n{count(data)}: {word}", style=style, markup=False, soft_wrap=True)
 
 
 def _table(data: Data) -> Table:
     table = Table(title=markup(data["title"]) or None, title_justify="left", box=SIMPLE_HEAD)
-    table.add_column("")
-    for column in data["columns"]:
-        table.add_column(markup(column), justify="right")
+    for column in ("", "N", *data["columns"]):
+        table.add_column(markup(column), justify="right" if column else "left")
     for row, cells in data["rows"].items():
-        table.add_row(markup(row), *(_cell(cell, data["digits"]) for cell in cells))
+        table.add_row(markup(row), str(data["runs"][row]), *(markup(_cell(cell)) for cell in cells))
     return table
 
 
-def _cell(cell: Data, digits: int) -> str:
-    """A number; where runs lack it, how many."""
-    lacking = f" ({cell['without']} of {cell['runs']} without)" if cell["without"] else ""
-    return "-" + lacking if cell["value"] is None else f"{cell['value']:.{digits}g}{lacking}"
+def _cell(cell: Data) -> str:
+    """A number with its interval; where runs lack it, how many."""
+    lacking = (
+        f" ({cell['without']} of {cell['runs']} without)" if cell["without"] and " of " not in cell["text"] else ""
+    )
+    return str(cell["text"]) + lacking
 
 
 def _troubles(console: Console, figure: Data) -> None:
@@ -62,24 +66,35 @@ def _troubles(console: Console, figure: Data) -> None:
 
 def _claim(console: Console, claim: Data) -> None:
     console.print(f"  {claim['paper']}", style="italic", markup=False, soft_wrap=True)
-    console.print(f"    {claim['verdict']}", style=STYLES[claim["verdict"]], end="", markup=False)
-    if claim["found"]:
-        text = f": {claim['found']} ({sample(claim)})"
-        console.print(text, end="", markup=False, soft_wrap=True)
+    console.print(f"    {claim['verdict']}", style=STYLES[claim["kind"]], end="", markup=False)
+    if not claim["choices"]:
+        for one in claim["readings"]:
+            console.print(f": {one['found']} ({sample(one)})", end="", markup=False, soft_wrap=True)
     console.print()
-    for measure in claim["measures"].values():
-        if measure["without"]:
-            line = f"    {len(measure['without'])} of {measure['runs']} runs lack {measure['quantity']}"
-            console.print(f"{line}; missing: {measure['missing']}", markup=False, soft_wrap=True)
+    for name, choice in claim["choices"].items():
+        console.print(f"    {name}{OURS[choice['ours']]}: {choice['open']}", style="dim", markup=False, soft_wrap=True)
+    for one in claim["readings"]:
+        _reading(console, one)
     if claim["because"]:
         console.print(f"    {claim['because']}", style="dim", markup=False, soft_wrap=True)
     if claim["changed"]:
-        line = f"    CHANGED: documented as {claim['documented']!r}"
+        line = f"    CHANGED: expected {claim['expected']!r}"
         console.print(line, style="bold red", markup=False, soft_wrap=True)
 
 
+def _reading(console: Console, one: Data) -> None:
+    if one["label"]:
+        console.print(f"    {one['label']}: ", end="", markup=False, soft_wrap=True)
+        console.print(one["verdict"], style=STYLES[one["verdict"]], end="", markup=False)
+        console.print(f": {one['found']} ({sample(one)})", markup=False, soft_wrap=True)
+    for measure in one["measures"].values():
+        if measure["without"] and measure["missing"] != "skip":
+            line = f"    {len(measure['without'])} of {measure['runs']} runs lack {measure['quantity']}"
+            console.print(f"{line}; missing: {measure['missing']}", markup=False, soft_wrap=True)
+
+
 def markdown(data: Data) -> str:
-    """One row per claim: figure, what the paper says, the verdict, what was measured.
+    """One row per claim, and under it one per reading: figure, what the paper says, verdict, what was measured.
 
     Args:
         data: see ``summary``.
@@ -87,13 +102,18 @@ def markdown(data: Data) -> str:
     rows = ["| figure | the paper | verdict | here |", "|---|---|---|---|"]
     for figure in data["figures"]:
         for claim in figure["claims"]:
-            found = f"{claim['found']} ({sample(claim)})" if claim["found"] else ""
-            here = "; ".join(filter(None, [found, claim["because"]]))
-            rows.append(
-                f"| {' | '.join(map(_markdown_cell, (figure['name'], claim['paper'], claim['verdict'], here)))} |"
-            )
-    return "\n".join(rows) + "\n"
+            readings, verdict = claim["readings"], claim["verdict"]
+            found = [f"{readings[0]['found']} ({sample(readings[0])})"] if len(readings) == 1 else []
+            here = "; ".join([*found, *filter(None, [claim["because"]])])
+            rows.append(_row(figure["name"], claim["paper"], verdict if verdict == HOLDS else f"**{verdict}**", here))
+            for one in readings if len(readings) > 1 else ():
+                rows.append(_row("", f"*{one['label']}*", one["verdict"], f"{one['found']} ({sample(one)})"))
+    choices = {
+        name: one for figure in data["figures"] for claim in figure["claims"] for name, one in claim["choices"].items()
+    }
+    said = [f"- **{name}**{OURS[one['ours']]}: {one['open'].strip()}" for name, one in choices.items()]
+    return "\n".join([*rows, *(["", "What is open:", ""] if said else []), *said]) + "\n"
 
 
-def _markdown_cell(text: str) -> str:
-    return " ".join(text.split()).replace("|", "\\|")
+def _row(*cells: str) -> str:
+    return f"| {' | '.join(' '.join(cell.split()).replace('|', '&#124;') for cell in cells)} |"

@@ -14,7 +14,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.reproduce.claims import UNDECIDED, check_words, judge, seed_text
 from space_robot_studies.reproduce.manifest import Bounds, Claim, Figure
 from space_robot_studies.reproduce.measures import FinishedRun, reduce, select, take
-from space_robot_studies.reproduce.plan import DistinctRun, PlannedRun
+from space_robot_studies.reproduce.planner import DistinctRun, PlannedRun
 from space_robot_studies.reproduce.quantities import Measure, Number, Quantity
 from space_robot_studies.reproduce.run_data import RunData
 from space_robot_studies.reproduce.timing import CycleTimes
@@ -46,7 +46,7 @@ def claim(**keys: Any) -> Claim:
         "measures": {"slowest": {"metric": "settling", "of": "all", "reduce": "max"}},
         "holds_if": "slowest < 5",
         "found": "{slowest:.1f} s over {n} runs, seeds {seeds}",
-        "verdict": "holds",
+        "expect": "holds",
     }
     return Claim.model_validate(base | keys)
 
@@ -132,7 +132,7 @@ def test_a_claim_is_decided_by_its_condition() -> None:
     assert held.found == "2.0 s over 2 runs, seeds 0-1"
     failed = judge(claim(), figure(claim()), slow)
     assert (failed.verdict, failed.changed) == ("does not hold", True)
-    assert not judge(claim(verdict="does not hold"), figure(claim()), slow).changed
+    assert not judge(claim(expect="does not hold"), figure(claim()), slow).changed
 
 
 def test_a_claim_without_its_numbers_is_undecided_and_so_changed() -> None:
@@ -145,7 +145,7 @@ def test_a_claim_without_its_numbers_is_undecided_and_so_changed() -> None:
 
 def test_a_claim_that_cannot_be_checked_stays_so() -> None:
     """Not checkable needs a reason, takes no measures, and is never a change."""
-    words = {"paper": "It is nice.", "verdict": "not checkable"}
+    words = {"paper": "It is nice.", "expect": "not checkable"}
     one = Claim.model_validate(words | {"because": "No number is given."})
     assert not judge(one, figure(one), finished(data())).changed
     for wrong in ({}, {"because": "x", "holds_if": "1 < 2"}):

@@ -51,15 +51,15 @@ figures:
         measures: {late: {signal: base.error, take: max, after: 5.0, of: [real, prior], reduce: max}}
         holds_if: late < 1
         found: "{late:.2f} deg after 5 s in {n} runs"
-        verdict: holds
+        expect: holds
       - paper: Wrong parameters make it diverge.
         measures: {diverged: {metric: diverged, of: prior, reduce: sum}}
         holds_if: diverged >= 1
         found: "{diverged:.0f} of {n} diverge"
-        verdict: does not hold
+        expect: does not hold
         because: Twenty percent are little.
       - paper: It is elegant.
-        verdict: not checkable
+        expect: not checkable
         because: No number is given.
   gain:
     title: A varied gain
@@ -206,7 +206,7 @@ def test_a_failed_run_has_diverged_and_fails_unless_expected(space_robot: Tool, 
         },
         "holds_if": "diverged == 2 and settled == 0",
         "found": "{diverged:.0f} of {n} diverge",
-        "verdict": "holds",
+        "expect": "holds",
     }
     for may_fail, code in ((False, 1), (True, 0)):
         runs = {"bad": bad | {"may_fail": may_fail}}
@@ -234,7 +234,7 @@ CLAIM: dict[str, Any] = {
     "measures": {"a": ONE},
     "holds_if": "a < 1",
     "found": "{a}",
-    "verdict": "holds",
+    "expect": "holds",
 }
 BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "an unknown key": ({"pannels": []}, ("figures.8.pannels", "panels")),
@@ -286,8 +286,8 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "a name that is none": ({"claims": [CLAIM | {"measures": {"a b": ONE}}]}, ("claims.0.measures", "a b")),
     "a condition of unknowns": ({"claims": [CLAIM | {"holds_if": "b < 1"}]}, ("claims.0.holds_if", "'b'")),
     "a text of unknowns": ({"claims": [CLAIM | {"found": "{b}"}]}, ("claims.0.found", "'b'")),
-    "an unknown verdict": ({"claims": [CLAIM | {"verdict": "hold"}]}, ("claims.0.verdict", "holds")),
-    "no reason": ({"claims": [{"paper": "p", "verdict": "not checkable"}]}, ("claims.0", "because")),
+    "an unknown verdict": ({"claims": [CLAIM | {"expect": "hold"}]}, ("claims.0.verdict", "holds")),
+    "no reason": ({"claims": [{"paper": "p", "expect": "not checkable"}]}, ("claims.0", "because")),
     "a run that cannot be composed": (
         {"runs": {"real": {"experiment": "liu2023/fig08", "set": {"controller.gains.lambda": -1}}}},
         ("figures.8.runs.real", "real cannot be run", "lambda"),

@@ -1,0 +1,107 @@
+"""The readings of a claim: every combination of the choices it hangs on, and the verdict they come to together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+from typing import Any
+
+from space_robot_description.validation import nearest
+from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.reproduce.manifest import Choice, Claim
+
+HOLDS, FAILS, CLOSE = "holds", "does not hold", "too close"
+UNDECIDED, NOT_CHECKABLE, STUDY = "undecided", "not checkable", "study"
+DEPENDS = "depends on"
+MAX_READINGS = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One value for each choice that a claim hangs on.
+
+    Attributes:
+        values: choice -> name of its value.
+        choices: the choices.
+    """
+
+    values: Mapping[str, str]
+    choices: Mapping[str, Choice]
+
+    @property
+    def label(self) -> str:
+        """The values in words; empty where nothing is open."""
+        return ", ".join(f"{choice}: {value}" for choice, value in self.values.items())
+
+    @property
+    def let(self) -> dict[str, str]:
+        """Names and formulas that this reading gives to the condition."""
+        chosen = (self.choices[name].values[value] for name, value in self.values.items())
+        return {name: str(formula) for value in chosen for name, formula in value.let.items()}
+
+    def overrides(self, group: str) -> dict[str, Any]:
+        """What this reading sets of the runs of a group."""
+        changed: dict[str, Any] = {}
+        for name, value in self.values.items():
+            choice = self.choices[name]
+            if choice.of is None or group in choice.of:
+                changed |= choice.values[value].set
+        return changed
+
+
+def readings_of(claim: Claim, choices: Mapping[str, Choice], key: str) -> tuple[Reading, ...]:
+    """Every reading of a claim, that of the figures first; one without values where nothing is open.
+
+    Raises:
+        SpecError: there is no such choice, it changes nothing here, or the readings are too many.
+    """
+    groups = {group for measure in claim.measures.values() for group in measure.all_groups}
+    for name in claim.hangs_on:
+        if name not in choices:
+            accepted = nearest(name, choices) or ", ".join(choices) or "none is there"
+            raise SpecError("no such choice", key=f"{key}.hangs_on", value=name, accepted=accepted)
+        one = choices[name]
+        if one.of is not None and not groups & set(one.of):
+            raise SpecError("changes no group of this claim", key=f"{key}.hangs_on", value=name, accepted=str(one.of))
+    mine = {name: choices[name] for name in claim.hangs_on}
+    found = [
+        Reading(dict(zip(mine, values, strict=True)), mine) for values in product(*(c.values for c in mine.values()))
+    ]
+    if len(found) > MAX_READINGS:
+        raise SpecError("too many readings", key=f"{key}.hangs_on", value=len(found), accepted=f"<= {MAX_READINGS}")
+    return tuple(found)
+
+
+def combined(verdicts: Sequence[tuple[Mapping[str, str], str]]) -> str:
+    """The verdict over all readings.
+
+    Args:
+        verdicts: of each reading its values, by choice, and its own verdict.
+    """
+    found = {verdict for _, verdict in verdicts}
+    if len(found) == 1:
+        return found.pop()
+    if UNDECIDED in found:
+        return UNDECIDED
+    if not {HOLDS, FAILS} <= found:
+        return CLOSE
+    return f"{DEPENDS} {', '.join(_deciding(verdicts))}"
+
+
+def _deciding(verdicts: Sequence[tuple[Mapping[str, str], str]]) -> list[str]:
+    """The choices of which one alone turns a verdict; if none does alone, all that differ between opposite verdicts."""
+    names: dict[int, dict[str, None]] = {}
+    for one, other in _opposites(verdicts):
+        differing = [name for name in one if one[name] != other[name]]
+        names.setdefault(len(differing), {}).update(dict.fromkeys(differing))
+    chosen = names[min(names)]
+    return [name for name in verdicts[0][0] if name in chosen]
+
+
+def _opposites(
+    verdicts: Sequence[tuple[Mapping[str, str], str]],
+) -> Iterator[tuple[Mapping[str, str], Mapping[str, str]]]:
+    for (one, a), (other, b) in combinations(verdicts, 2):
+        if {a, b} == {HOLDS, FAILS}:
+            yield one, other
