@@ -28,18 +28,17 @@ def job_of(plan: Plan, figures: Sequence[str], run: DistinctRun, directory: Path
     for name in figures:
         figure = plan.manifest.figures[name]
         runs = plan.shown(name)
-        measured = {one.quantity: None for one in _measured(plan, name, run) if one.signal}
+        quantities |= {one.quantity: None for one in _measured(plan, name, run) if one.signal}
         mine = {planned.group for planned in runs if planned.distinct is run}
-        if not mine and not measured:
+        if not mine:
+            # Of a run that only readings need nothing is drawn, and its command gives its bag.
             continue
-        quantities |= measured
         for panel in figure.panels:
             if mine & set(panel.of or mine):
                 curves |= dict.fromkeys(panel.signals)
         quantities |= {number.quantity: None for number in _numbers(figure, mine) if number.signal}
         timed = figure.timing is not None and mine & set(figure.timing.of)
-        few = bool(mine) and len(runs) <= MAX_KEPT
-        keeps.add("all" if timed else figure.keep or ("all" if few else "failed"))
+        keeps.add("all" if timed else figure.keep or ("all" if len(runs) <= MAX_KEPT else "failed"))
     keep: Keep = "all" if "all" in keeps else "failed" if "failed" in keeps else "none"
     place = bag_path(directory, run.name).resolve()
     return Job(run.argument, run.overrides, place, tuple(quantities), tuple(curves), keep)

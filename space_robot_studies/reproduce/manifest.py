@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+from pydantic import (
+    Field,
+    NonNegativeFloat,
+    NonNegativeInt,
+    PositiveFloat,
+    PositiveInt,
+    field_validator,
+    model_validator,
+)
 
 from space_robot_description.spec import Strict
 from space_robot_studies.campaign.distributions import Draw
@@ -13,6 +21,7 @@ from space_robot_studies.campaign.variation import VARY, Seeds, Vary, check_seed
 from space_robot_studies.reproduce.quantities import Measure, Number, Texts
 from space_robot_studies.reproduce.stability_map import StabilityMap
 
+VERDICTS = ("holds", "does not hold", "too close", "not checkable", "study")
 Scale = Literal["linear", "log", "symlog"]
 # More bags than this fill a disk sooner than they are looked at.
 MAX_KEPT = 40
@@ -125,6 +134,13 @@ class Claim(Strict):
         default="", description="the verdict that is expected: another one that is computed is an error"
     )
     because: str = Field(default="", description="why, in a sentence or two")
+
+    @field_validator("expect")
+    @classmethod
+    def _verdict(cls, expect: str) -> str:
+        if expect and expect not in VERDICTS and not expect.startswith("depends on "):
+            raise ValueError(f"no verdict; accepted: {', '.join(VERDICTS)}, depends on CHOICE")
+        return expect
 
     @model_validator(mode="after")
     def _checkable(self) -> Self:

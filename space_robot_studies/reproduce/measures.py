@@ -81,12 +81,7 @@ def take(quantity: Quantity, time: Vector, signal: Vector) -> float | None:
 
 def select(measure: Measure, runs: Sequence[PlannedRun]) -> list[PlannedRun]:
     """The runs a measure is over."""
-    return [
-        run
-        for run in runs
-        if run.group in measure.groups
-        and all(key in run.values and run.values[key] == value for key, value in measure.where.items())
-    ]
+    return [run for run in runs if run.group in measure.groups and run.has(measure.where)]
 
 
 def selected(measure: Measure, runs: Sequence[FinishedRun]) -> list[FinishedRun]:

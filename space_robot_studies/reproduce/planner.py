@@ -67,6 +67,10 @@ class PlannedRun:
         """Runs of the same seed are partners: in campaigns of one seed they have the same draws."""
         return self.distinct.experiment.seed
 
+    def has(self, wanted: Mapping[str, Any]) -> bool:
+        """Whether its keys are set or varied to these values."""
+        return all(key in self.values and self.values[key] == value for key, value in wanted.items())
+
     @property
     def source(self) -> tuple[str, int]:
         """Where its draws come from: its seed, or the number of its run in a campaign."""
@@ -128,19 +132,26 @@ class Planner:
                 _known(groups, name, f"{key}.measures.{number}.of")
                 needed[name] = None
         for reading in readings_of(claim, manifest.choices, key):
-            yield ReadingRuns(reading, {name: self._read(name, groups[name], reading, shown, key) for name in needed})
+            yield ReadingRuns(
+                reading,
+                {name: self._read(claim, name, groups[name], reading, key) or shown[name] for name in needed},
+            )
 
-    def _read(self, name: str, group: RunGroup, reading: Reading, shown: Runs, key: str) -> tuple[PlannedRun, ...]:
-        changed = reading.overrides(name)
-        if not changed:
-            return shown[name]
+    def _read(self, claim: Claim, name: str, group: RunGroup, reading: Reading, key: str) -> tuple[PlannedRun, ...]:
+        """The runs of a group that a claim measures, as a reading wants them; none if it leaves them as they are."""
+        if not (changed := reading.overrides(name)):
+            return ()
         try:
             # Validated anew: a key that the group varies cannot be set, too.
             other = RunGroup.model_validate(group.model_dump(exclude_unset=True) | {"set": {**group.set, **changed}})
         except ValueError as error:
             raise SpecError(f"{name} cannot be read so: {error}", key=f"{key}.hangs_on", value=reading.label) from None
-        values = ", ".join(reading.values.values())
-        return tuple(replace(run, label=f"{run.label} [{values}]") for run in self.expand(name, other, key))
+        values = ", ".join(reading.changing(name).values())
+        return tuple(
+            replace(run, label=f"{run.label} [{values}]")
+            for run in self.expand(name, other, key)
+            if any(name in measure.all_groups and run.has(measure.where) for measure in claim.measures.values())
+        )
 
     def _cases(self, label: str, group: RunGroup, key: str) -> Iterator[PlannedRun]:
         argument, cases = campaign_cases(group, self._folder, key)

@@ -9,10 +9,10 @@ from typing import Any
 
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
-from space_robot_studies.reproduce.manifest import Choice, Claim
+from space_robot_studies.reproduce.manifest import VERDICTS, Choice, Claim
 
-HOLDS, FAILS, CLOSE = "holds", "does not hold", "too close"
-UNDECIDED, NOT_CHECKABLE, STUDY = "undecided", "not checkable", "study"
+HOLDS, FAILS, CLOSE, NOT_CHECKABLE, STUDY = VERDICTS
+UNDECIDED = "undecided"
 DEPENDS = "depends on"
 MAX_READINGS = 64
 
@@ -40,13 +40,19 @@ class Reading:
         chosen = (self.choices[name].values[value] for name, value in self.values.items())
         return {name: str(formula) for value in chosen for name, formula in value.let.items()}
 
+    def changing(self, group: str) -> dict[str, str]:
+        """Choice -> value of those that set something of the runs of a group."""
+        return {
+            name: value
+            for name, value in self.values.items()
+            if self.choices[name].values[value].set and group in (self.choices[name].of or (group,))
+        }
+
     def overrides(self, group: str) -> dict[str, Any]:
         """What this reading sets of the runs of a group."""
         changed: dict[str, Any] = {}
-        for name, value in self.values.items():
-            choice = self.choices[name]
-            if choice.of is None or group in choice.of:
-                changed |= choice.values[value].set
+        for name, value in self.changing(group).items():
+            changed |= self.choices[name].values[value].set
         return changed
 
 

@@ -154,7 +154,7 @@ def test_the_page_has_everything_and_needs_nothing(space_robot: Tool, tmp_path: 
     write(tmp_path)
     done = space_robot("reproduce", "paper.yaml", "--markdown", "claims.md")
     assert done.returncode == 0
-    row = "| 8 | Wrong parameters make it diverge. | does not hold | 0 of 2 diverge (2 runs, seed 1-2); Twenty percent"
+    row = "| 8 | Wrong parameters make it diverge. | **does not hold** | 0 of 2 diverge (2 runs, seed 1-2); Twenty"
     assert row in (tmp_path / "claims.md").read_text()
     page = (tmp_path / "out" / "paper" / "index.html").read_text()
     assert page.count('<img src="data:image/png;base64,') == 2
@@ -190,8 +190,8 @@ def test_a_changed_verdict_exits_1(space_robot: Tool, tmp_path: Path) -> None:
     write(tmp_path, MANIFEST.replace("late < 1\n", "late < 0\n"))
     done = space_robot("reproduce", "paper.yaml", "--figure", "8")
     assert done.returncode == 1
-    assert "CHANGED: documented as 'holds'" in done.stdout
-    assert "documented: holds" in (tmp_path / "out" / "paper" / "index.html").read_text()
+    assert "CHANGED: expected 'holds'" in done.stdout
+    assert "expected: holds" in (tmp_path / "out" / "paper" / "index.html").read_text()
 
 
 def test_a_failed_run_has_diverged_and_fails_unless_expected(space_robot: Tool, tmp_path: Path) -> None:
@@ -286,7 +286,7 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "a name that is none": ({"claims": [CLAIM | {"measures": {"a b": ONE}}]}, ("claims.0.measures", "a b")),
     "a condition of unknowns": ({"claims": [CLAIM | {"holds_if": "b < 1"}]}, ("claims.0.holds_if", "'b'")),
     "a text of unknowns": ({"claims": [CLAIM | {"found": "{b}"}]}, ("claims.0.found", "'b'")),
-    "an unknown verdict": ({"claims": [CLAIM | {"expect": "hold"}]}, ("claims.0.verdict", "holds")),
+    "an unknown verdict": ({"claims": [CLAIM | {"expect": "hold"}]}, ("claims.0.expect", "holds")),
     "no reason": ({"claims": [{"paper": "p", "expect": "not checkable"}]}, ("claims.0", "because")),
     "a run that cannot be composed": (
         {"runs": {"real": {"experiment": "liu2023/fig08", "set": {"controller.gains.lambda": -1}}}},
