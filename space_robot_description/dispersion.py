@@ -94,7 +94,8 @@ def disperse(robot: Robot, dispersion: Dispersion, rng: np.random.Generator) -> 
     model = robot.model.copy()
     before = inertial_parameters(robot)
     for index, body in enumerate(robot.body_names):
-        chosen = {q: spread for q in (*BODY_QUANTITIES, VARIANCE) if (spread := spreads.get(f"bodies.{body}.{q}")) is not None}
+        names = ((quantity, f"bodies.{body}.{quantity}") for quantity in (*BODY_QUANTITIES, VARIANCE))
+        chosen = {quantity: spreads[name] for quantity, name in names if name in spreads}
         if chosen:
             drawn = _draw_body(body, before[index], chosen, dispersion.inconsistent, rng)
             model.inertias[index + 1] = pin.Inertia.FromDynamicParameters(drawn)

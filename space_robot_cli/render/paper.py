@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from space_robot_cli.terminal import markup
-from space_robot_studies.reproduce.readings import HOLDS
+from space_robot_studies.reproduce.readings import HOLDS, STUDY
 from space_robot_studies.reproduce.summary import STYLES, Data, count, heading, sample
 
 OURS = {True: " (ours)", False: ""}
@@ -21,6 +21,10 @@ def show(console: Console, data: Data) -> None:
         data: see ``summary``.
     """
     console.print(f"{data['title']} ({data['citation']})", style="bold", markup=False, soft_wrap=True)
+    for name, choice in open_choices(data).items():
+        console.print(
+            f"  open: {name}{OURS[choice['ours']]}: {choice['open']}", style="dim", markup=False, soft_wrap=True
+        )
     for figure in data["figures"]:
         console.print(f"\n{heading(figure)}", style="bold", markup=False, soft_wrap=True)
         for claim in figure["claims"]:
@@ -71,8 +75,6 @@ def _claim(console: Console, claim: Data) -> None:
         for one in claim["readings"]:
             console.print(f": {one['found']} ({sample(one)})", end="", markup=False, soft_wrap=True)
     console.print()
-    for name, choice in claim["choices"].items():
-        console.print(f"    {name}{OURS[choice['ours']]}: {choice['open']}", style="dim", markup=False, soft_wrap=True)
     for one in claim["readings"]:
         _reading(console, one)
     if claim["because"]:
@@ -88,31 +90,53 @@ def _reading(console: Console, one: Data) -> None:
         console.print(one["verdict"], style=STYLES[one["verdict"]], end="", markup=False)
         console.print(f": {one['found']} ({sample(one)})", markup=False, soft_wrap=True)
     for measure in one["measures"].values():
-        if measure["without"] and measure["missing"] != "skip":
+        if measure["without"] and (measure["value"] is None or not isinstance(measure["missing"], str)):
             line = f"    {len(measure['without'])} of {measure['runs']} runs lack {measure['quantity']}"
             console.print(f"{line}; missing: {measure['missing']}", markup=False, soft_wrap=True)
 
 
 def markdown(data: Data) -> str:
-    """One row per claim, and under it one per reading: figure, what the paper says, verdict, what was measured.
+    """One row per claim, and under it one per combination of the choices that it depends on; then what is open.
 
     Args:
         data: see ``summary``.
     """
     rows = ["| figure | the paper | verdict | here |", "|---|---|---|---|"]
-    for figure in data["figures"]:
-        for claim in figure["claims"]:
-            readings, verdict = claim["readings"], claim["verdict"]
-            found = [f"{readings[0]['found']} ({sample(readings[0])})"] if len(readings) == 1 else []
-            here = "; ".join([*found, *filter(None, [claim["because"]])])
-            rows.append(_row(figure["name"], claim["paper"], verdict if verdict == HOLDS else f"**{verdict}**", here))
-            for one in readings if len(readings) > 1 else ():
-                rows.append(_row("", f"*{one['label']}*", one["verdict"], f"{one['found']} ({sample(one)})"))
-    choices = {
-        name: one for figure in data["figures"] for claim in figure["claims"] for name, one in claim["choices"].items()
-    }
-    said = [f"- **{name}**{OURS[one['ours']]}: {one['open'].strip()}" for name, one in choices.items()]
-    return "\n".join([*rows, *(["", "What is open:", ""] if said else []), *said]) + "\n"
+    claims = [(figure["name"], claim) for figure in data["figures"] for claim in figure["claims"]]
+    for name, claim in claims:
+        groups = _grouped(claim)
+        found = [] if claim["deciding"] else [_found(*group) for group in groups.values()]
+        here = "; ".join([*found, *filter(None, [claim["because"]])])
+        verdict = claim["verdict"] if claim["kind"] in (HOLDS, STUDY) else f"**{claim['verdict']}**"
+        rows.append(_row(name, claim["paper"], verdict, here))
+        for label, group in groups.items() if claim["deciding"] else ():
+            rows.append(
+                _row("", f"*{label}*", " / ".join(dict.fromkeys(one["verdict"] for one in group)), _found(*group))
+            )
+    choices = open_choices(data)
+    said = [
+        f"- **{name}**{OURS[one['ours']]}: {', '.join(one['values'])}. {one['open']}" for name, one in choices.items()
+    ]
+    return "\n".join([*rows, *(["", "What is open, and how it is read:", ""] if said else []), *said]) + "\n"
+
+
+def open_choices(data: Data) -> dict[str, Data]:
+    """The choices that claims hang on, each once."""
+    claims = (claim for figure in data["figures"] for claim in figure["claims"])
+    return {name: choice for claim in claims for name, choice in claim["choices"].items()}
+
+
+def _grouped(claim: Data) -> dict[str, list[Data]]:
+    """Readings by the values of the choices that the verdict depends on."""
+    groups: dict[str, list[Data]] = {}
+    for one in claim["readings"]:
+        groups.setdefault(", ".join(f"{name}: {one['values'][name]}" for name in claim["deciding"]), []).append(one)
+    return groups
+
+
+def _found(first: Data, *others: Data) -> str:
+    more = f"; the first of {1 + len(others)} readings" if others else ""
+    return f"{first['found']} ({sample(first)}{more})"
 
 
 def _row(*cells: str) -> str:

@@ -22,6 +22,7 @@ from space_robot_studies.reproduce.readings import (
     UNDECIDED,
     Reading,
     combined,
+    deciding,
 )
 from space_robot_studies.reproduce.run_data import RunData
 
@@ -69,7 +70,16 @@ class Judgement:
         """Holds, does not hold, depends on a choice, too close, not checkable, study, or undecided."""
         if not self.readings:
             return NOT_CHECKABLE
-        return combined([(one.reading.values, one.verdict) for one in self.readings])
+        return combined(self._verdicts)
+
+    @property
+    def deciding(self) -> list[str]:
+        """The choices that the verdict depends on."""
+        return deciding(self._verdicts)
+
+    @property
+    def _verdicts(self) -> list[tuple[Mapping[str, str], str]]:
+        return [(one.reading.values, one.verdict) for one in self.readings]
 
     @property
     def changed(self) -> bool:

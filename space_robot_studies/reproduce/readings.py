@@ -92,16 +92,23 @@ def combined(verdicts: Sequence[tuple[Mapping[str, str], str]]) -> str:
         return UNDECIDED
     if not {HOLDS, FAILS} <= found:
         return CLOSE
-    return f"{DEPENDS} {', '.join(_deciding(verdicts))}"
+    return f"{DEPENDS} {', '.join(deciding(verdicts))}"
 
 
-def _deciding(verdicts: Sequence[tuple[Mapping[str, str], str]]) -> list[str]:
-    """The choices of which one alone turns a verdict; if none does alone, all that differ between opposite verdicts."""
+def deciding(verdicts: Sequence[tuple[Mapping[str, str], str]]) -> list[str]:
+    """The choices of which one alone turns a verdict; if none does alone, the fewest that differ between opposite ones.
+
+    Args:
+        verdicts: as of ``combined``.
+
+    Returns:
+        Names, in order; none where no two readings are opposite.
+    """
     names: dict[int, dict[str, None]] = {}
     for one, other in _opposites(verdicts):
         differing = [name for name in one if one[name] != other[name]]
         names.setdefault(len(differing), {}).update(dict.fromkeys(differing))
-    chosen = names[min(names)]
+    chosen = names[min(names)] if names else {}
     return [name for name in verdicts[0][0] if name in chosen]
 
 

@@ -76,6 +76,7 @@ def _claim(judgement: Judgement, choices: Mapping[str, Choice]) -> Data:
         "paper": claim.paper,
         "verdict": verdict,
         "kind": DEPENDS if verdict.startswith(DEPENDS) else verdict,
+        "deciding": judgement.deciding if judgement.readings else [],
         "expected": claim.expect,
         "changed": judgement.changed,
         "because": claim.because,
