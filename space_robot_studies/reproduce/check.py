@@ -131,7 +131,11 @@ class _FigureCheck:
         self._check_number(measure, runs, key)
         _check_reducible(measure, runs, key)
         if measure.over:
-            self._check_number(measure, groups[measure.over], f"{key}.over")
+            others = [run for run in groups[measure.over] if run.has(measure.where)]
+            self._check_number(measure, others, f"{key}.over")
+            if len({run.seed for run in others}) < len(others):
+                accepted = "a group with one run of each seed, or where"
+                raise SpecError("a run has several partners", key=f"{key}.over", value=measure.over, accepted=accepted)
         if (partners := measure.only_if) is not None:
             others = [run for group in partners.groups for run in groups[group]]
             self._check_number(partners, others, f"{key}.only_if")

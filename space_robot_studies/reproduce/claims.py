@@ -11,7 +11,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.reproduce.estimate import exact
 from space_robot_studies.reproduce.expression import FUNCTIONS, Condition, Formula
 from space_robot_studies.reproduce.manifest import Bounds, Claim, Figure
-from space_robot_studies.reproduce.measures import FinishedRun, Measured, paired, reduce, selected
+from space_robot_studies.reproduce.measures import FinishedRun, Measured, divisors, paired, reduce, selected
 from space_robot_studies.reproduce.planner import PlannedRun, ReadingRuns
 from space_robot_studies.reproduce.readings import (
     CLOSE,
@@ -150,8 +150,7 @@ def _judge(claim: Claim, bounds: Bounds, reading: Reading, runs: Sequence[Finish
     used: dict[str, tuple[str, int]] = {}
     for name, measure in claim.measures.items():
         chosen = paired(measure, selected(measure, runs), runs, bounds)
-        partners = {run.seed: data for run, data in runs if run.group == measure.over} if measure.over else None
-        measured[name] = reduce(measure, chosen, bounds, partners)
+        measured[name] = reduce(measure, chosen, bounds, divisors(measure, runs))
         used |= {run.distinct.name: run.source for run, _ in chosen}
     seeds, draws = (tuple(sorted({n for what, n in used.values() if what == kind})) for kind in ("seed", "draw"))
     verdict, found = _decide(claim, reading.let, measured, len(used), seeds)

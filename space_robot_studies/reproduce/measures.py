@@ -89,6 +89,13 @@ def selected(measure: Measure, runs: Sequence[FinishedRun]) -> list[FinishedRun]
     return [pair for pair in runs if select(measure, [pair[0]])]
 
 
+def divisors(measure: Measure, runs: Sequence[FinishedRun]) -> dict[int, RunData] | None:
+    """By seed the runs that ``over`` divides by, of the same ``where``; None if it divides by none."""
+    if not measure.over:
+        return None
+    return {run.seed: data for run, data in runs if run.group == measure.over and run.has(measure.where)}
+
+
 def paired(
     measure: Measure, chosen: Sequence[FinishedRun], runs: Sequence[FinishedRun], bounds: Bounds
 ) -> list[FinishedRun]:

@@ -100,6 +100,8 @@ class Planner:
         self._folder = folder
         self._known: dict[str, DistinctRun] = {}
         self._names: set[str] = set()
+        # Readings of many claims share their runs.
+        self._changed: dict[str, tuple[PlannedRun, ...]] = {}
         # Reading a file takes longer than everything else about a run.
         self._files: dict[str, ExperimentFile] = {}
 
@@ -141,15 +143,14 @@ class Planner:
         """The runs of a group that a claim measures, as a reading wants them; none if it leaves them as they are."""
         if not (changed := reading.overrides(name)):
             return ()
-        try:
-            # Validated anew: a key that the group varies cannot be set, too.
-            other = RunGroup.model_validate(group.model_dump(exclude_unset=True) | {"set": {**group.set, **changed}})
-        except ValueError as error:
-            raise SpecError(f"{name} cannot be read so: {error}", key=f"{key}.hangs_on", value=reading.label) from None
         values = ", ".join(reading.changing(name).values())
+        asked = json.dumps([group.model_dump(exclude_unset=True), name, changed, values], default=str)
+        if asked not in self._changed:
+            runs = self.expand(name, _changed(name, group, changed, reading, key), key)
+            self._changed[asked] = tuple(replace(run, label=f"{run.label} [{values}]") for run in runs)
         return tuple(
-            replace(run, label=f"{run.label} [{values}]")
-            for run in self.expand(name, other, key)
+            run
+            for run in self._changed[asked]
             if any(name in measure.all_groups and run.has(measure.where) for measure in claim.measures.values())
         )
 
@@ -185,6 +186,14 @@ class Planner:
             name = f"{name[:MAX_NAME]}_{hashlib.sha256(content.encode()).hexdigest()[:8]}"
         self._names.add(name)
         return name
+
+
+def _changed(name: str, group: RunGroup, changed: Mapping[str, Any], reading: Reading, key: str) -> RunGroup:
+    """A group with the overrides of a reading; validated anew: a key that it varies cannot be set, too."""
+    try:
+        return RunGroup.model_validate(group.model_dump(exclude_unset=True) | {"set": {**group.set, **changed}})
+    except ValueError as error:
+        raise SpecError(f"{name} cannot be read so: {error}", key=f"{key}.hangs_on", value=reading.label) from None
 
 
 def _known(groups: Mapping[str, RunGroup], name: str, key: str) -> None:

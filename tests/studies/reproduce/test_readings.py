@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.reproduce.check import check_plan
 from space_robot_studies.reproduce.claims import judge
 from space_robot_studies.reproduce.jobs import job_of
 from space_robot_studies.reproduce.plan import Plan, load_plan
@@ -143,3 +144,14 @@ def test_pairs_of_the_same_seed_are_divided(tmp_path: Path) -> None:
     measures = {"ratio": CLAIM["measures"]["s"] | {"over": "law"}}
     change = {"hangs_on": [], "measures": measures, "holds_if": "ratio == 1", "found": "{ratio:.2f}"}
     assert verdict(plan(tmp_path, change), at_1=4.0) == "holds"
+
+
+def test_a_partner_has_the_same_varied_value(tmp_path: Path) -> None:
+    """Where a group varies a key, ``where`` picks both runs of a pair; without it there are several: refused."""
+    runs = {"law": {"experiment": "liu2023/fig08", "vary": {"controller.gains.lambda": [1.0, 2.0]}, "seeds": [1, 2]}}
+    measure = CLAIM["measures"]["s"] | {"over": "law", "where": {"controller.gains.lambda": 1.0}}
+    change = {"hangs_on": [], "measures": {"ratio": measure}, "holds_if": "ratio == 1", "found": "{ratio:.2f}"}
+    assert verdict(plan(tmp_path, change, runs=runs), at_1=4.0, at_2=8.0) == "holds"
+    several = plan(tmp_path, change | {"measures": {"ratio": CLAIM["measures"]["s"] | {"over": "law"}}}, runs=runs)
+    with pytest.raises(SpecError, match="several partners"):
+        check_plan(several, ["8"])
