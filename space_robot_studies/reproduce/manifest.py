@@ -105,7 +105,7 @@ class Choice(Strict):
     """Something a paper leaves open, or that is ours, and the plausible ways to read it."""
 
     open: str = Field(min_length=1, description="what is open, and why each value is plausible")
-    ours: bool = Field(default=False, description="a threshold or setting of ours, not of the paper")
+    ours: bool = Field(default=False, description="a threshold or setting of the project, not of the paper")
     of: Texts | None = Field(default=None, description="groups that `set` changes; default: all that a claim measures")
     values: dict[str, Value] = Field(min_length=2, description="name -> reading; the first is that of the figures")
 

@@ -146,7 +146,7 @@ class Planner:
         values = ", ".join(reading.changing(name).values())
         asked = json.dumps([group.model_dump(exclude_unset=True), name, changed, values], default=str)
         if asked not in self._changed:
-            runs = self.expand(name, _changed(name, group, changed, reading, key), key)
+            runs = self.expand(name, _altered(name, group, changed, reading, key), key)
             self._changed[asked] = tuple(replace(run, label=f"{run.label} [{values}]") for run in runs)
         return tuple(
             run
@@ -188,7 +188,7 @@ class Planner:
         return name
 
 
-def _changed(name: str, group: RunGroup, changed: Mapping[str, Any], reading: Reading, key: str) -> RunGroup:
+def _altered(name: str, group: RunGroup, changed: Mapping[str, Any], reading: Reading, key: str) -> RunGroup:
     """A group with the overrides of a reading; validated anew: a key that it varies cannot be set, too."""
     try:
         return RunGroup.model_validate(group.model_dump(exclude_unset=True) | {"set": {**group.set, **changed}})

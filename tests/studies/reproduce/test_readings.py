@@ -59,7 +59,7 @@ def verdict(one: Plan, **seconds: float) -> str:
     return judge(figure.claims[0], figure, one.read["8"][0], settles(**seconds)).verdict
 
 
-def test_every_combination_is_a_reading_and_only_what_differs_is_flown(tmp_path: Path) -> None:
+def test_every_combination_is_a_reading_and_only_what_differs_is_run(tmp_path: Path) -> None:
     """Two choices of two values are four readings; a choice that sets nothing needs no run, a group outside none."""
     one = plan(tmp_path)
     labels = [reading.reading.label for reading in one.read["8"][0]]
