@@ -96,7 +96,7 @@ def _reading(console: Console, one: Data) -> None:
 
 
 def markdown(data: Data) -> str:
-    """One row per claim, and under it one per combination of the choices that it depends on; then what is open.
+    """One row per claim, and under it one per combination of the choices that turn it; then what is open.
 
     Args:
         data: see ``summary``.
@@ -115,7 +115,7 @@ def markdown(data: Data) -> str:
             )
     choices = open_choices(data)
     said = [
-        f"- **{name}**{OURS[one['ours']]}: {', '.join(one['values'])}. {one['open']}" for name, one in choices.items()
+        f"- **{name}**{OURS[one['ours']]}: {'; '.join(one['values'])}. {one['open']}" for name, one in choices.items()
     ]
     return "\n".join([*rows, *(["", "What is open, and how it is read:", ""] if said else []), *said]) + "\n"
 
@@ -127,7 +127,7 @@ def open_choices(data: Data) -> dict[str, Data]:
 
 
 def _grouped(claim: Data) -> dict[str, list[Data]]:
-    """Readings by the values of the choices that the verdict depends on."""
+    """Readings by the values of the choices that turn the verdict."""
     groups: dict[str, list[Data]] = {}
     for one in claim["readings"]:
         groups.setdefault(", ".join(f"{name}: {one['values'][name]}" for name in claim["deciding"]), []).append(one)

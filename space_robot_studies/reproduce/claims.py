@@ -74,7 +74,7 @@ class Judgement:
 
     @property
     def deciding(self) -> list[str]:
-        """The choices that the verdict depends on."""
+        """The choices that turn the verdict."""
         return deciding(self._verdicts)
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 from typing import Any
@@ -96,25 +96,18 @@ def combined(verdicts: Sequence[tuple[Mapping[str, str], str]]) -> str:
 
 
 def deciding(verdicts: Sequence[tuple[Mapping[str, str], str]]) -> list[str]:
-    """The choices of which one alone turns a verdict; if none does alone, the fewest that differ between opposite ones.
+    """The choices of which one alone turns a verdict; if none does alone, the fewest that differ between such readings.
 
     Args:
-        verdicts: as of ``combined``.
+        verdicts: as of ``combined``; what turns it is from holding to not, or where nothing does, to too close.
 
     Returns:
-        Names, in order; none where no two readings are opposite.
+        Names, in order; none where all readings agree.
     """
-    names: dict[int, dict[str, None]] = {}
-    for one, other in _opposites(verdicts):
-        differing = [name for name in one if one[name] != other[name]]
-        names.setdefault(len(differing), {}).update(dict.fromkeys(differing))
-    chosen = names[min(names)] if names else {}
+    pairs = list(combinations(verdicts, 2))
+    turned = [(a, b) for (a, one), (b, other) in pairs if {one, other} == {HOLDS, FAILS}]
+    turned = turned or [(a, b) for (a, one), (b, other) in pairs if one != other]
+    differing = [[name for name in a if a[name] != b[name]] for a, b in turned]
+    fewest = min(map(len, differing), default=0)
+    chosen = {name for names in differing if len(names) == fewest for name in names}
     return [name for name in verdicts[0][0] if name in chosen]
-
-
-def _opposites(
-    verdicts: Sequence[tuple[Mapping[str, str], str]],
-) -> Iterator[tuple[Mapping[str, str], Mapping[str, str]]]:
-    for (one, a), (other, b) in combinations(verdicts, 2):
-        if {a, b} == {HOLDS, FAILS}:
-            yield one, other

@@ -14,7 +14,7 @@ from space_robot_studies.reproduce.claims import judge
 from space_robot_studies.reproduce.jobs import job_of
 from space_robot_studies.reproduce.plan import Plan, load_plan
 from space_robot_studies.reproduce.planner import PlannedRun
-from space_robot_studies.reproduce.readings import combined
+from space_robot_studies.reproduce.readings import combined, deciding
 from space_robot_studies.reproduce.run_data import RunData
 
 CHOICES: dict[str, Any] = {
@@ -114,6 +114,9 @@ def test_verdicts_of_readings_combine() -> None:
     assert combined([(a, "holds"), (b, "too close"), (c, "too close"), (d, "does not hold")]) == "depends on x, y"
     assert combined([(a, "holds"), (b, "undecided"), (c, "does not hold")]) == "undecided"
     assert combined([({}, "study")]) == "study"
+    assert deciding([(a, "holds"), (b, "too close")]) == ["y"]
+    assert deciding([(a, "holds"), (b, "holds"), (c, "too close"), (d, "does not hold")]) == ["x"]
+    assert deciding([(a, "holds"), (d, "holds")]) == []
 
 
 @pytest.mark.parametrize(
