@@ -152,13 +152,13 @@ def test_the_command_of_a_run_gives_its_bag(space_robot: Tool, tmp_path: Path) -
 def test_the_page_has_everything_and_needs_nothing(space_robot: Tool, tmp_path: Path) -> None:
     """Every figure with its picture, claim, verdict and command is on one page that loads no other file."""
     write(tmp_path)
-    (tmp_path / "claims.md").write_text("before\n<!-- claims: how -->\nold\n<!-- end -->\nafter\n")
+    (tmp_path / "claims.md").write_text("before\n<!-- claims: how -->\nstale\n<!-- end -->\nafter\n")
     done = space_robot("reproduce", "paper.yaml", "--markdown", "claims.md")
     assert done.returncode == 0
     around = (tmp_path / "claims.md").read_text()
     assert around.startswith("before\n<!-- claims: how -->\n\n| figure |")
     assert around.endswith("\n\n<!-- end -->\nafter\n")
-    assert "old" not in around
+    assert "stale" not in around
     row = "| 8 | Wrong parameters make it diverge. | **does not hold** | 0 of 2 diverge (2 runs, seed 1-2); Twenty"
     assert row in (tmp_path / "claims.md").read_text()
     page = (tmp_path / "out" / "paper" / "index.html").read_text()
