@@ -105,11 +105,12 @@ def markdown(data: Data) -> str:
     claims = [(figure["name"], claim) for figure in data["figures"] for claim in figure["claims"]]
     for name, claim in claims:
         groups = _grouped(claim)
-        found = [] if claim["deciding"] else [_found(*group) for group in groups.values()]
+        several = len(groups) > 1
+        found = [] if several else [_found(*group) for group in groups.values()]
         here = "; ".join([*found, *filter(None, [claim["because"]])])
         verdict = claim["verdict"] if claim["kind"] in (HOLDS, STUDY) else f"**{claim['verdict']}**"
         rows.append(_row(name, claim["paper"], verdict, here))
-        for label, group in groups.items() if claim["deciding"] else ():
+        for label, group in groups.items() if several else ():
             rows.append(
                 _row("", f"*{label}*", " / ".join(dict.fromkeys(one["verdict"] for one in group)), _found(*group))
             )
@@ -127,10 +128,11 @@ def open_choices(data: Data) -> dict[str, Data]:
 
 
 def _grouped(claim: Data) -> dict[str, list[Data]]:
-    """Readings by the values of the choices that turn the verdict."""
+    """Readings by the values of the choices that turn the verdict; of a study by all."""
+    names = list(claim["choices"]) if claim["kind"] == STUDY else claim["deciding"]
     groups: dict[str, list[Data]] = {}
     for one in claim["readings"]:
-        groups.setdefault(", ".join(f"{name}: {one['values'][name]}" for name in claim["deciding"]), []).append(one)
+        groups.setdefault(", ".join(f"{name}: {one['values'][name]}" for name in names), []).append(one)
     return groups
 
 
