@@ -27,7 +27,7 @@ $(VENV)/bin/uv:
 	$(BIN)/python -m pip install -q --disable-pip-version-check 'uv>=0.4'
 
 $(VENV)/.run: pyproject.toml setup.py | $(VENV)/bin/uv
-	$(BIN)/uv pip install -q --compile-bytecode --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,robots,campaign,pandas]'
+	$(BIN)/uv pip install -q --compile-bytecode --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,view,robots,campaign,pandas]'
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml setup.py | $(VENV)/bin/uv
@@ -36,8 +36,8 @@ $(VENV)/.dev: pyproject.toml setup.py | $(VENV)/bin/uv
 
 demo: $(VENV)/.run
 	@mkdir -p $(OUT)
-	$(BIN)/space-robot run liu2023/fig08 --mode graph --out $(OUT)/fig08
-	$(BIN)/space-robot run point_to_point/ur5_sat --mode graph --out $(OUT)/ur5_sat
+	$(BIN)/space-robot run liu2023/fig08 --mode graph --overwrite --out $(OUT)/fig08
+	$(BIN)/space-robot run point_to_point/ur5_sat --mode graph --overwrite --out $(OUT)/ur5_sat
 	$(BIN)/space-robot plot $(OUT)/fig08
 	$(BIN)/space-robot report $(OUT)/fig08
 	$(BIN)/space-robot report $(OUT)/ur5_sat

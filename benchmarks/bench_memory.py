@@ -19,7 +19,7 @@ from space_robot_msgs_py.log.reader import LogReader
 reader = LogReader(sys.argv[1])
 composition = compose_logged(logged_experiment(reader.header.experiment))
 base = peak()
-metrics, _ = judge_blocks(reader.event_blocks(), composition, "completed")
+metrics, *_ = judge_blocks(reader.event_blocks(), composition, "completed")
 assert metrics.ticks == int(sys.argv[2])
 """
 INFO = """

@@ -38,6 +38,7 @@ ARGUMENTS = {
     ),
     "record": ("true", "whether a recorder takes part and keeps a log"),
     "out": ("", "run directory; default: runs/ and the name of the experiment"),
+    "overwrite": ("false", "whether the recorder replaces a run that is in the run directory"),
     "realtime": ("", "simulated seconds per second; default: lock-step, as fast as it goes"),
     "namespace": ("", "of all nodes and topics, one for each robot on a domain"),
     "set": ("", "further keys of the experiment, 'key=value key=value'"),
@@ -60,8 +61,11 @@ def generate_launch_description() -> LaunchDescription:
 
 def _nodes(context: LaunchContext) -> list[Node]:
     chosen = context.launch_configurations
-    recorded = evaluate_condition_expression(context, [TextSubstitution(text=chosen["record"])])
-    options = _options(chosen, recorded)
+    recorded, overwrite = (
+        evaluate_condition_expression(context, [TextSubstitution(text=chosen[name])])
+        for name in ("record", "overwrite")
+    )
+    options = _options(chosen, recorded=recorded, overwrite=overwrite)
     roles = chosen["nodes"].split()
     packages = PACKAGES | SUPERVISOR
     if chosen["supervision"] and chosen["nodes"] == ALL_NODES:
@@ -81,10 +85,14 @@ def _nodes(context: LaunchContext) -> list[Node]:
     ]
 
 
-def _options(chosen: dict[str, str], recorded: bool) -> list[str]:
+def _options(chosen: dict[str, str], *, recorded: bool, overwrite: bool) -> list[str]:
     """The command line that all nodes share: one experiment for every node."""
-    out = chosen["out"] or str(Path("runs") / Path(chosen["experiment"]).stem)
-    options = ["--experiment", chosen["experiment"], "--out", out]
+    experiment = Path(chosen["experiment"])
+    # A shipped one by its full name, so that two of one name in two folders do not meet.
+    name = experiment.stem if experiment.suffix in (".yaml", ".yml") else experiment
+    options = ["--experiment", chosen["experiment"], "--out", chosen["out"] or str(Path("runs") / name)]
+    if overwrite:
+        options.append("--overwrite")
     if not recorded:
         options.append("--no-record")
     if chosen["realtime"]:

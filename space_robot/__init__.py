@@ -14,6 +14,7 @@ from space_robot_msgs_py.faces import lazy_face
 __all__ = [
     "Blocks",
     "campaign",
+    "closed_loop",
     "Command",
     "compare",
     "ControlOutput",
@@ -26,6 +27,7 @@ __all__ = [
     "LogHeader",
     "LogReader",
     "LogWriter",
+    "make_plant",
     "NominalModel",
     "PlantSample",
     "Reference",
@@ -37,6 +39,7 @@ __all__ = [
     "run",
     "SpaceRobotError",
     "SpaceRobotWarning",
+    "SteppedPlant",
     "Telemetry",
     "Tick",
     "tracking_errors",
@@ -50,6 +53,7 @@ if TYPE_CHECKING:
     from space_robot_bringup.public.replay import replay
     from space_robot_bringup.public.result import Run
     from space_robot_bringup.public.run import run
+    from space_robot_bringup.public.stepping import SteppedPlant, closed_loop, make_plant
     from space_robot_control.laws.base import Blocks, Law
     from space_robot_control.nominal_model import NominalModel
     from space_robot_control.tracking import error_blocks, tracking_errors
@@ -82,6 +86,7 @@ else:
         "space_robot_bringup.public.replay": ("replay",),
         "space_robot_bringup.public.result": ("Run",),
         "space_robot_bringup.public.run": ("run",),
+        "space_robot_bringup.public.stepping": ("SteppedPlant", "closed_loop", "make_plant"),
         "space_robot_studies.reproduce.public": ("reproduce",),
         "space_robot_control.laws.base": ("Blocks", "Law"),
         "space_robot_control.nominal_model": ("NominalModel",),

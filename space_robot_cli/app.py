@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from space_robot_cli.panels import PanelGroup
 from space_robot_cli.terminal import PlainConsole
 
 FAILED, BAD_INPUT = 1, 2
 
 app = typer.Typer(
+    cls=PanelGroup,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
-    help="Flight software of a space robot, emulated: run experiments, record them, look at robots.",
-    epilog="Exit codes: 0 fine, 1 the run failed its verdict, 2 bad input or usage.",
+    epilog="Exit codes: 0 fine, also where nothing was expected, 1 the run failed its verdict, 2 bad input or usage.",
 )
 # A pipe has no width of its own; 80 columns would cut numbers.
 out = PlainConsole(width=None if sys.stdout.isatty() else 120)
@@ -46,7 +48,30 @@ LawOption = Annotated[
 AllowCodeOption = Annotated[
     bool, typer.Option("--allow-code", help="run the code the data names; only for data whose maker you trust")
 ]
+JunitOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--junit", metavar="FILE", help="also write JUnit XML, a test case per expectation, run or comparison"
+    ),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        from space_robot_msgs_py.version import __version__
+
+        print(f"space-robot {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def tool(
+    version: Annotated[
+        bool, typer.Option("--version", help="Show the version and exit.", is_eager=True, callback=_show_version)
+    ] = False,
+) -> None:
+    """Flight software of a space robot, emulated: run experiments, record them, look at robots."""
 
 
 def warn(warning: str) -> None:

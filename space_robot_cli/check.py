@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.compose.foresight import foreseen
 from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment, with_faults
 from space_robot_bringup.modes.compilation import notice
 from space_robot_description.share import is_file, shipped
@@ -100,14 +101,16 @@ def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     )
     plan = composition.faults
     faults = () if plan is None else tuple(f"fault {one.label}: {plan.window(one)}" for one in plan.planned)
-    return Checked(summary, review.facts + faults, review.warnings)
+    return Checked(summary, nominal.notes + review.facts + faults, (*review.warnings, *foreseen(composition)))
 
 
 def _campaign(campaign: Campaign) -> Checked:
     firsts = check_cases(campaign)
     facts = tuple(f"varies {key}: {', '.join(map(str, values))}" for key, values in campaign.vary.items())
     facts += tuple(f"draws {key}" for key in campaign.disperse)
-    warnings = dict.fromkeys(warning for composition in firsts for warning in composition.review().warnings)
+    warnings = dict.fromkeys(
+        warning for composition in firsts for warning in (*composition.review().warnings, *foreseen(composition))
+    )
     summary = f"{campaign.cases} cases, {campaign.points} points of {campaign.runs} runs"
     return Checked(summary, facts, tuple(warnings))
 

@@ -1,20 +1,23 @@
-"""The commands that work on logs: replay, info, recover."""
+"""The commands that work on logs: replay, info, events, recover."""
 
 from __future__ import annotations
 
 import json
 import signal
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from space_robot_cli.app import FAILED, AllowCodeOption, JsonOption, LawOption, SetOption, app, err, out
+from space_robot_cli.app import FAILED, AllowCodeOption, JsonOption, JunitOption, LawOption, SetOption, app, err, out
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.extras import install
 
 if TYPE_CHECKING:
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.publish import PublishOptions
+    from space_robot_supervisor.table import Severity
 
 
 @app.command()
@@ -56,20 +59,27 @@ def replay(
     ] = "state",
     law: LawOption = None,
     allow_code: AllowCodeOption = False,
+    junit: JunitOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Compute a recorded run again and compare every number with the log, or publish it to a node of your own."""
+    """Compute a recorded run again and compare every number.
+
+    Or publish it to a node of your own, with --publish.
+    """
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.golden import update_reference
     from space_robot_bringup.replay.publish import PublishOptions
     from space_robot_bringup.replay.recording import Code
     from space_robot_bringup.replay.replay import ReplayOptions, replay
+    from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render import replay as show
+    from space_robot_cli.render.suites import replay_suite
 
+    check_junit(junit)
     tolerance = Tolerance(rtol, atol, tuple(name.lstrip("/") for name in ignore or ()))
     if publish:
-        if as_json or set_ or experiment or update_refs or law or allow_code or against != "both":
-            key = "--against, --set, --experiment, --update-refs, --law, --allow-code, --json"
+        if as_json or junit or set_ or experiment or update_refs or law or allow_code or against != "both":
+            key = "--against, --set, --experiment, --update-refs, --law, --allow-code, --junit, --json"
             raise SpecError("means nothing to --publish", key=key, accepted="--publish without it")
         _publish(bags, PublishOptions(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
         return
@@ -85,6 +95,7 @@ def replay(
         if update_refs:
             said = "replaced by a new run" if update_reference(one.recording) else "up to date"
             err.print(f"{bag}: {said}", markup=False, soft_wrap=True)
+    write_junit(junit, [replay_suite(one, bag) for one, bag in zip(done, bags, strict=True)])
     if as_json:
         found = [show.as_dict(one) for one in done]
         print(json.dumps(found[0] if len(found) == 1 else found, allow_nan=False))
@@ -103,7 +114,7 @@ def _publish(bags: list[Path], options: PublishOptions, tolerance: Tolerance) ->
     try:
         from space_robot_bringup.nodes import replayer
     except ImportError as error:
-        accepted = "install space-robot[ros], or source a Jazzy"
+        accepted = f"a sourced Jazzy, or {install('ros')}"
         raise SpecError(f"needs ROS 2 Jazzy ({error})", key="--publish", accepted=accepted) from None
     broadcast = open_broadcast(bags[0], options.namespace)
     answers = Answers(broadcast, tolerance)
@@ -122,7 +133,7 @@ def info(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Say what is in a bag: topics, rates, gaps, provenance, damage, verdict."""
+    """Say what is in a bag: topics, gaps, damage, verdict."""
     from space_robot_bringup.logs.info import bag_info
     from space_robot_cli.render import log as show
 
@@ -134,12 +145,52 @@ def info(
 
 
 @app.command()
+def events(
+    bag: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    severity: Annotated[
+        str, typer.Option(help="only events as severe or more severe: info, low, medium or high")
+    ] = "info",
+    source: Annotated[
+        list[str] | None,
+        typer.Option(help="only events of this source: fault, plant, supervisor or controller; may repeat"),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Say what happened in a run, with time and severity.
+
+    Faults, what the plant refused, monitors, commands, modes, changes of the law.
+    """
+    from space_robot_bringup.logs.happened import SEVERITIES, SOURCES, events_of_log
+    from space_robot_cli.render import events as show
+    from space_robot_msgs_py.log.reader import LogReader
+
+    _check_choice("--severity", severity, SEVERITIES)
+    for one in source or ():
+        _check_choice("--source", one, SOURCES)
+    witness, trouble = events_of_log(LogReader(bag))
+    grave = SEVERITIES[SEVERITIES.index(cast("Severity", severity)) :]
+    found = [one for one in witness.events if one.severity in grave and (not source or one.source in source)]
+    if trouble:
+        err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
+    if as_json:
+        listed = {"path": str(bag), "events": [show.event_dict(one) for one in found], "left_out": witness.left_out}
+        print(json.dumps(listed | {"trouble": trouble or None}, allow_nan=False))
+    else:
+        show.print_events(out, found, witness.left_out)
+
+
+def _check_choice(option: str, value: str, accepted: Sequence[str]) -> None:
+    if value not in accepted:
+        raise SpecError("no such choice", key=option, value=value, accepted=", ".join(accepted))
+
+
+@app.command()
 def recover(
     bag: Annotated[Path, typer.Argument(help="run directory, bag or .mcap file that was truncated or corrupted")],
     directory: Annotated[Path | None, typer.Option("--out", "-o", help="default BAG_recovered")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Make a clean, indexed bag of a truncated or corrupted one and say what was lost."""
+    """Make a clean bag of a corrupted one; say what was lost."""
     from space_robot_cli.render import log as show
     from space_robot_msgs_py.log.recover import recover
 

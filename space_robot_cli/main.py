@@ -25,6 +25,7 @@ from space_robot_cli.app import (
     AllowCodeOption,
     FaultOption,
     JsonOption,
+    JunitOption,
     LawOption,
     SetOption,
     app,
@@ -32,7 +33,7 @@ from space_robot_cli.app import (
     out,
     warn,
 )
-from space_robot_cli.view_commands import NoBrowserOption, PortOption, beside, show_log
+from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
@@ -50,20 +51,23 @@ INTERRUPTED = 130
 def list_shipped(
     kind: Annotated[
         str,
-        typer.Argument(help="experiments, papers, campaigns, supervision, robots or faults; default: what is shipped"),
+        typer.Argument(
+            help="experiments, papers, campaigns, supervision, robots, laws or faults; default: all but the last two"
+        ),
     ] = "",
+    name: Annotated[str, typer.Argument(help="only names that begin with this, e.g. liu2023")] = "",
 ) -> None:
-    """List the shipped experiments, papers, campaigns, supervision tables and robots, or explain the faults."""
-    from space_robot_cli.catalogue import catalogue, faults
+    """List what is shipped, and explain laws and faults."""
+    from space_robot_cli.catalogue import EXPLAINED, catalogue
 
-    if kind == "faults":
-        for line in faults():
+    if kind in EXPLAINED:
+        for line in EXPLAINED[kind](name):
             out.print(line, markup=False, soft_wrap=True)
         return
-    for heading, rows in catalogue(kind).items():
+    for heading, rows in catalogue(kind, name).items():
         out.print(heading, style="bold")
-        for name, title in rows.items():
-            out.print(f"  {name:<34}{title}", markup=False, soft_wrap=True)
+        for shipped, title in rows.items():
+            out.print(f"  {shipped:<34}{title}", markup=False, soft_wrap=True)
 
 
 @app.command()
@@ -73,7 +77,7 @@ def check(
     fault: FaultOption = None,
     kind: Annotated[str, typer.Option(help="experiment, campaign or paper; default: what it looks like")] = "",
 ) -> None:
-    """Check an experiment, a campaign or a paper's manifest completely without running it."""
+    """Check an experiment, campaign or paper without running it."""
     from space_robot_cli.check import check_file, kind_of
 
     checked = check_file(file, kind or kind_of(file), set_ or (), err.print, faults=fault or ())
@@ -89,7 +93,10 @@ def robot(
     file: Annotated[str, typer.Argument(help="shipped name or YAML file")],
     as_json: JsonOption = False,
 ) -> None:
-    """Print mass, inertia, momentum capacity, reach and the condition of the base-arm coupling of a robot."""
+    """Print mass, inertia, momentum, reach, coupling of a robot.
+
+    The coupling is the condition of the part of the mass matrix that ties the base to the arm.
+    """
     from space_robot_cli.render import run as render
     from space_robot_description.load import load_robot
     from space_robot_description.report import robot_report
@@ -99,6 +106,8 @@ def robot(
         print(json.dumps(report.to_dict(), allow_nan=False))
     else:
         render.robot(out, report)
+        for warning in report.warnings:
+            warn(warning)
 
 
 @app.command()
@@ -107,7 +116,10 @@ def run(
     mode: Annotated[
         str | None, typer.Option(help=f"one of: {', '.join(MODES)}; default headless, with --from graph")
     ] = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="run directory; default runs/<name>")] = None,
+    directory: Annotated[
+        Path | None, typer.Option("--out", help="run directory; default runs/<name>, numbered where a run is in it")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a run that is in the run directory")] = False,
     realtime: Annotated[
         float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
     ] = None,
@@ -128,6 +140,7 @@ def run(
         ),
     ] = None,
     debug: Annotated[bool, typer.Option("--debug", help="show the traceback of a law that fails")] = False,
+    junit: JunitOption = None,
     as_json: JsonOption = False,
     view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
     port: PortOption = 8080,
@@ -137,14 +150,18 @@ def run(
     mode = mode or ("headless" if campaign_directory is None else "graph")
     if timeout is not None and not 0.0 < timeout < float("inf"):
         raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
-    from space_robot_bringup.experiment.experiment import experiment_path, load_experiment, with_duration, with_faults
+    from space_robot_bringup.experiment.experiment import load_experiment, run_name, with_duration, with_faults
     from space_robot_bringup.logs.logged import law_policy, with_laws
     from space_robot_bringup.modes.run import check_pace
+    from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render import run as render
+    from space_robot_cli.render.suites import run_suite
     from space_robot_control.laws.policy import TYPED
+    from space_robot_msgs_py.log.free_directory import checked_directory, free_directory
     from space_robot_studies.campaign.rerun import case_experiment, differences
 
     check_pace(mode, realtime)
+    check_junit(junit)
     policy = TYPED
     if campaign_directory is not None and index is not None and not (experiment or set_ or fault or duration):
         spec = case_experiment(campaign_directory, index, allow_code=allow_code)
@@ -155,11 +172,16 @@ def run(
         raise SpecError("is for --from", key="--law, --allow-code", accepted=accepted)
     elif experiment is not None and campaign_directory is None and index is None:
         spec = with_faults(with_duration(load_experiment(experiment, set_ or ()), duration), fault or ())
-        name = experiment_path(experiment).stem
+        name = run_name(experiment)
     else:
         raise SpecError("give either EXPERIMENT or --from DIR --index K, not both", key="run")
-    place = directory or Path("runs") / name
+    place = (
+        free_directory(Path("runs") / name, overwrite=overwrite)
+        if directory is None
+        else checked_directory(directory, overwrite=overwrite)
+    )
     result = _run(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json)
+    write_junit(junit, [run_suite(name, spec, mode, result)] if junit is not None else ())
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     if as_json:
@@ -177,33 +199,30 @@ def run(
         # The user has just run this robot; one out of a campaign directory shows what any log may.
         folders = mesh_folders(load_robot(spec.robot).urdf) if campaign_directory is None else ()
         show_log(result.directory, port=port, open_browser=not no_browser, meshes=folders)
-    if found or not result.passed:
+    if found or result.passed is False:
         raise typer.Exit(FAILED)
-
-
-@app.command()
-def plot(
-    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
-    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
-) -> None:
-    """Draw a log: attitude and joints, desired and measured, and the torques."""
-    try:
-        from space_robot_report.figures.log import draw
-    except ImportError as error:
-        raise SpecError(f"plot needs matplotlib ({error})", accepted="install space-robot[viz]") from None
-    place = picture or beside(log, ".png")
-    draw(log, place)
-    out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
 
 @app.command()
 def schema(
     kind: Annotated[str, typer.Argument(help="experiment, campaign or paper")] = "experiment",
 ) -> None:
-    """Print the JSON schema of experiment, campaign or paper files, for editors."""
+    """Print the JSON schema of a kind of file, for editors."""
     from space_robot_cli.check import schema_of
 
     print(json.dumps(schema_of(kind), indent=2))
+
+
+@app.command()
+def new(
+    kind: Annotated[str, typer.Argument(help="experiment, law, robot or study")],
+    name: Annotated[Path, typer.Argument(help="of the file, e.g. my_law")],
+) -> None:
+    """Write a working, commented start for a file of your own."""
+    from space_robot_cli.new import write_new
+
+    for path in write_new(kind, name):
+        out.print(f"written: {path}", markup=False, soft_wrap=True)
 
 
 def _run(
@@ -249,7 +268,7 @@ def main() -> Never:
     try:
         with raising(signal.SIGINT, signal.SIGTERM):
             # Without standalone mode an Exit of a command is what app returns.
-            code = app(standalone_mode=False)
+            code = app(prog_name="space-robot", standalone_mode=False)
     except SpaceRobotError as error:
         err.print(f"space-robot: {error}", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
@@ -270,6 +289,9 @@ def main() -> Never:
         show = getattr(error, "format_message", None)
         if show is None:
             raise
+        if type(error).__name__ == "NoArgsIsHelpError":
+            err.print(show(), markup=False)
+            sys.exit(BAD_INPUT)
         err.print(f"space-robot: {show()}; see --help", style="red", markup=False, soft_wrap=True)
         sys.exit(BAD_INPUT)
     if code == INTERRUPTED:

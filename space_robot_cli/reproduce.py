@@ -13,6 +13,7 @@ from space_robot_cli.render.paper_page import write_markdown
 from space_robot_cli.study import announce, print_interrupted, study
 from space_robot_cli.study_options import StudyOptions
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.extras import install
 from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
 from space_robot_studies.reproduce.reproduction import reproduce
 
@@ -48,7 +49,7 @@ def run(options: Options, out: Console, err: Console) -> bool:
         from space_robot_report.pages.paper_report import PAGE, write_report
     except ImportError as error:
         needs = f"reproduce needs matplotlib and jinja2 ({error})"
-        raise SpecError(needs, accepted="install space-robot[viz]") from None
+        raise SpecError(needs, accepted=install("viz")) from None
     with study(err, quiet=options.study.as_json) as hooks:
         plan = load_plan(options.paper)
         figures = choose_figures(plan.manifest, options.figures)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from space_robot_cli.app import FAILED, JsonOption, app, err, out
+from space_robot_cli.app import FAILED, JsonOption, JunitOption, app, err, out
 from space_robot_cli.study import ResumeOption, TimeLimitOption, WorkersOption, announce, single_threaded, study
 from space_robot_msgs_py.errors import SpecError
 
@@ -28,18 +28,23 @@ def campaign(
     resume: ResumeOption = False,
     keep: Annotated[str, typer.Option(help=f"whose bags to keep, one of: {', '.join(KEPT)}")] = "failed",
     time_limit: TimeLimitOption = None,
+    junit: JunitOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Run a Monte Carlo campaign and summarise it."""
     if keep not in KEPT:
         raise SpecError("no such choice", key="--keep", value=keep, accepted=", ".join(KEPT))
     single_threaded()
+    from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render import campaign as show
+    from space_robot_cli.render.suites import campaign_suites
     from space_robot_studies.campaign.campaign import run_campaign
     from space_robot_studies.campaign.cases import make_case
     from space_robot_studies.campaign.spec import campaign_path, load_campaign
     from space_robot_studies.engine.tasks import TIME_LIMIT
 
+    check_junit(junit)
+    name = campaign_path(file).stem
     with study(err, quiet=as_json) as hooks:
         spec = load_campaign(file, runs)
         if not as_json:
@@ -47,7 +52,7 @@ def campaign(
             announce(err, laws, plant=scheduler is None)
         result = run_campaign(
             spec,
-            directory or Path("runs") / campaign_path(file).stem,
+            directory or Path("runs") / name,
             workers=workers,
             scheduler=scheduler,
             resume=resume,
@@ -55,11 +60,12 @@ def campaign(
             time_limit=TIME_LIMIT if time_limit is None else time_limit,
             hooks=hooks,
         )
+    write_junit(junit, campaign_suites(name, spec, result) if junit is not None else ())
     if as_json:
         print(json.dumps(show.as_dict(spec.title, result), allow_nan=False))
     else:
         show.campaign(out, spec.title, result)
-    if not result.passed:
+    if result.passed is False:
         raise typer.Exit(FAILED)
 
 
@@ -80,7 +86,7 @@ def compare_laws(
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write all tables")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Run laws side by side on one task and print what each did at each period."""
+    """Run laws side by side on one task, at several periods."""
     single_threaded()
     from space_robot_cli.compare import Options, run
     from space_robot_cli.study_options import StudyOptions
@@ -105,7 +111,7 @@ def reproduce(
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write the claims as a table")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Run the figures of a paper, draw them and judge its claims one by one."""
+    """Run the figures of a paper and judge its claims."""
     single_threaded()
     from space_robot_cli.reproduce import Options, run
     from space_robot_cli.study_options import StudyOptions

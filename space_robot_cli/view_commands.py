@@ -12,6 +12,7 @@ import typer
 
 from space_robot_cli.app import app, err, out
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.extras import install
 
 PortOption = Annotated[int, typer.Option(help="of the viewer; the next free one if it is taken", min=1, max=65535)]
 NoBrowserOption = Annotated[bool, typer.Option("--no-browser", help="only print the address")]
@@ -29,7 +30,10 @@ def report(
     page: Annotated[Path | None, typer.Option("--out", "-o", help="the page; default: beside it, NAME.html")] = None,
     meshes: MeshesOption = None,
 ) -> None:
-    """Write one page that works offline: verdict, plots, 3-D playback, provenance; of a campaign what it adds up to."""
+    """Write a page of a run or campaign: verdict, plots, 3-D.
+
+    It works offline. Of a campaign it says what it adds up to.
+    """
     from space_robot_description.share import is_file
     from space_robot_studies.campaign.directory import CAMPAIGN
 
@@ -45,7 +49,7 @@ def report(
             return
         from space_robot_report.pages.log_report import write_log_report
     except ImportError as error:
-        accepted = "install space-robot[viz], and space-robot[campaign] for campaigns"
+        accepted = install("viz,campaign")
         raise SpecError(f"report needs plotly and more ({error})", accepted=accepted) from None
     for trouble in write_log_report(place, target, meshes or ()).troubles:
         err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
@@ -59,8 +63,26 @@ def view(
     no_browser: NoBrowserOption = False,
     meshes: MeshesOption = None,
 ) -> None:
-    """Show a log in the browser: the robot, what was desired, torques, the way of the tool; Ctrl-C ends it."""
+    """Show a log in the browser, until Ctrl-C.
+
+    The robot, what was desired, torques, the way of the tool.
+    """
     show_log(log, port=port, open_browser=not no_browser, meshes=meshes or ())
+
+
+@app.command()
+def plot(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
+) -> None:
+    """Draw attitude, joints and torques of a log to a file."""
+    try:
+        from space_robot_report.figures.log import draw
+    except ImportError as error:
+        raise SpecError(f"plot needs matplotlib ({error})", accepted=install("viz")) from None
+    place = picture or beside(log, ".png")
+    draw(log, place)
+    out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
 
 def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path] = ()) -> None:
@@ -75,7 +97,7 @@ def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path]
         from space_robot_report.viewer.load import load_show
         from space_robot_report.viewer.serve import serve
     except ImportError as error:
-        raise SpecError(f"view needs viser ({error})", accepted="install space-robot[view]") from None
+        raise SpecError(f"view needs viser ({error})", accepted=install("view")) from None
     show, troubles = load_show(log, meshes)
     for trouble in troubles:
         err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)

@@ -33,8 +33,15 @@ class ChannelErrors:
     velocity: Vector
 
 
+def joint_channels(joint_names: Sequence[str]) -> tuple[str, ...]:
+    """Names of the channels of the joints: their own, with ``joint.`` before those that the base has too."""
+    return tuple(f"joint.{name}" if name in BASE else name for name in joint_names)
+
+
 class Channels:
     """m degrees of freedom by name, one input and one output each: x, y, z, roll, pitch, yaw, and joints.
+
+    A joint that has the name of a degree of freedom of the base is ``joint.roll`` and so on.
 
     Args:
         robot: the NOMINAL robot.
@@ -46,9 +53,10 @@ class Channels:
     """
 
     def __init__(self, robot: Robot, outputs: Sequence[str] = (), held: Sequence[str] = ()) -> None:
-        names, floating = [*BASE, *robot.joint_names], robot.base_mode == "free_floating"
+        joints = joint_channels(robot.joint_names)
+        names, floating = [*BASE, *joints], robot.base_mode == "free_floating"
         actuated = names[3:] if floating else names
-        for key, given, accepted in (("held", held, robot.joint_names), ("outputs", outputs, actuated)):
+        for key, given, accepted in (("held", held, joints), ("outputs", outputs, actuated)):
             for name in given:
                 if name not in accepted:
                     hint = nearest(name, accepted) or ", ".join(accepted)
@@ -60,7 +68,7 @@ class Channels:
         self._free = np.array([i for i, name in enumerate(names) if name not in held])
         self._robot = robot
         # A grasp is seen by cameras, and the one sample at the start may be a wrong one.
-        self._held = np.array([robot.joint_names.index(name) for name in held], dtype=np.int64)
+        self._held = np.array([joints.index(name) for name in held], dtype=np.int64)
 
     @property
     def size(self) -> int:

@@ -50,6 +50,15 @@ def gains_table(law: str, base: str | None = None) -> str:
     return _markdown(("gain", "default", "accepted", "changes in a run", "meaning"), rows)
 
 
+def gain_rows(law: str) -> Iterator[Row]:
+    """Each gain of a law in plain text: key, default, accepted values, ``changes in a run`` or nothing, meaning."""
+    defaults = law_class(law).Gains()
+    for key, default, accepted, changes, text in _gain_rows(
+        type(defaults), defaults.model_dump(mode="json", by_alias=True)
+    ):
+        yield key.strip("`"), default, accepted.replace("`", ""), "changes in a run" * bool(changes), text
+
+
 def telemetry_table(law: str) -> str:
     """Return a Markdown table of the telemetry of a law with its default gains."""
     fields, sizes = law_class(law).telemetry_fields, [_sizes(law, robot) for robot in ROBOTS]

@@ -10,10 +10,12 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.changed_inertia import change_inertias
 from space_robot_description.inertia import check_inertia
 from space_robot_description.robot_spec import BaseSpec, JointLimits, RobotSpec, tensor
 from space_robot_description.spec import check_joint_names
-from space_robot_description.urdf import MOVING, Tree, axis_of, kind_of, number, numbers, parse_urdf
+from space_robot_description.urdf import MOVING, Tree, kind_of, parse_urdf
+from space_robot_description.urdf_values import axis_of, number, numbers
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 
 BASE_LINK = "base_link"
@@ -23,7 +25,7 @@ RESERVED = (BASE_LINK, "base_link_desired", "inertial", "world")
 SATELLITE_COLOUR = "0.72 0.72 0.75 1"
 
 
-def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> str:
+def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> tuple[str, tuple[str, ...]]:
     """The URDF of the whole robot, root link ``base_link``.
 
     Args:
@@ -32,7 +34,8 @@ def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> str:
         folder: where that URDF lies, for relative mesh paths; None if it came as text.
 
     Returns:
-        URDF text; composing it again without base, locks and limits gives the same text.
+        URDF text; composing it again without base, locks, limits and inertias gives the same text. And a sentence for
+        every inertia that the robot file changes.
 
     Raises:
         SpecError: the URDF or the file names something that is not there.
@@ -47,9 +50,11 @@ def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> str:
         _absolute_meshes(tree.root, folder)
     _lock(tree, spec.locked_joints)
     _override_limits(tree, spec.joint_limits)
+    # By the names of the result; the satellite has its own numbers in the robot file.
+    said = change_inertias({link.get("name", ""): link for link in tree.links.values()}, spec.inertia)
     tree.root.set("name", spec.name)
     ET.indent(tree.root)
-    return ET.tostring(tree.root, encoding="unicode") + "\n"
+    return ET.tostring(tree.root, encoding="unicode") + "\n", said
 
 
 def _rename_root(tree: Tree) -> None:
@@ -123,11 +128,13 @@ def _lock(tree: Tree, locked: Mapping[str, float]) -> None:
     moving = [name for name, joint in tree.joints.items() if kind_of(joint) in MOVING]
     check_joint_names(list(locked), moving, "locked_joints")
     positions = dict(locked)
-    for name, joint in tree.joints.items():
-        mimic = joint.find("mimic")
-        if mimic is not None and mimic.get("joint") in locked and name not in positions:
-            factor, offset = (number(mimic, field, f"joint {name}") for field in ("multiplier", "offset"))
-            positions[name] = (1.0 if factor is None else factor) * locked[mimic.get("joint", "")] + (offset or 0.0)
+    # A follower may follow a follower, in any order in the file.
+    followers = {name: mimic for name, joint in tree.joints.items() if (mimic := joint.find("mimic")) is not None}
+    while found := [n for n, mimic in followers.items() if n not in positions and mimic.get("joint") in positions]:
+        for name in found:
+            factor, offset = (number(followers[name], field, f"joint {name}") for field in ("multiplier", "offset"))
+            master = positions[followers[name].get("joint", "")]
+            positions[name] = (1.0 if factor is None else factor) * master + (offset or 0.0)
     for name, position in positions.items():
         _fix(name, tree.joints[name], position)
 

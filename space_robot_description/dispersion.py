@@ -96,7 +96,8 @@ def disperse(robot: Robot, dispersion: Dispersion, rng: np.random.Generator) -> 
     for index, body in enumerate(robot.body_names):
         names = ((quantity, f"bodies.{body}.{quantity}") for quantity in (*BODY_QUANTITIES, VARIANCE))
         chosen = {quantity: spreads[name] for quantity, name in names if name in spreads}
-        if chosen:
+        # What has no mass has nothing to deviate.
+        if chosen and before[index, 0] > 0.0:
             drawn = _draw_body(body, before[index], chosen, dispersion.inconsistent, rng)
             model.inertias[index + 1] = pin.Inertia.FromDynamicParameters(drawn)
     actuators = _disperse_actuators(robot, spreads, rng)
@@ -137,11 +138,12 @@ def _strays(spreads: dict[str, Spread], start: str, end: str) -> bool:
 def _draw_body(
     body: str, nominal: Vector, chosen: dict[str, Spread], inconsistent: str, rng: np.random.Generator
 ) -> Vector:
+    limit = not is_consistent(nominal)
     for _ in range(MAX_DRAWS):
         drawn = _draw_parameters(nominal, chosen, rng)
         if inconsistent == "keep" and drawn[0] != 0.0:
             return drawn
-        if is_consistent(drawn):
+        if is_consistent(drawn, limit=limit):
             return drawn
     raise InertiaError(
         f"no physically consistent body in {MAX_DRAWS} draws",

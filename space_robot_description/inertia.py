@@ -12,11 +12,15 @@ from space_robot_msgs_py.interfaces import Vector
 
 # Thin rods and plates meet the triangle inequality with equality; this much is round-off of the file's numbers.
 ROUND_OFF = 1e-9
+# Squared radius of gyration [m2] below which a moment is that of a point, whatever its sign.
+POINT = 1e-15
 # [kg, m, kg m2]; squares of numbers near the end of the float range would overflow.
 MAX_MAGNITUDE = 1e12
 
 
-def check_inertia(link: str, mass: float, com: Vector, inertia: Vector, *, point_mass: bool = False) -> None:
+def check_inertia(
+    link: str, mass: float, com: Vector, inertia: Vector, *, point_mass: bool = False, allowance: float = -1.0
+) -> None:
     """Refuse a body that cannot exist.
 
     Args:
@@ -25,6 +29,7 @@ def check_inertia(link: str, mass: float, com: Vector, inertia: Vector, *, point
         com: (3,) centre of mass [m].
         inertia: (3, 3) about the centre of mass [kg m2].
         point_mass: accept an inertia of exactly zero.
+        allowance: by how much a principal moment may miss its bound [kg m2]; below 0: it has to be positive.
 
     Raises:
         InertiaError: not finite, mass not positive, not symmetric, not positive definite, or principal moments against
@@ -48,7 +53,27 @@ def check_inertia(link: str, mass: float, com: Vector, inertia: Vector, *, point
         return
     if np.max(np.abs(inertia - inertia.T)) > ROUND_OFF * np.max(np.abs(inertia)):
         raise InertiaError("inertia is not symmetric", key=key, value=inertia.tolist(), accepted="I = I^T")
-    _check_moments(key, inertia)
+    _check_moments(key, inertia, allowance)
+
+
+def check_body(link: str, mass: float, com: Vector, inertia: Vector) -> None:
+    """Refuse a moving body that cannot exist; point masses, rods and plates are limits of bodies that do.
+
+    A body without mass is a frame between two joints, if it has no inertia either: whether the robot can move with it
+    is a question for the mass matrix.
+
+    Args:
+        link: name for the message.
+        mass: [kg], with all links that are fixed to it.
+        com: (3,) centre of mass [m].
+        inertia: (3, 3) about the centre of mass [kg m2].
+
+    Raises:
+        InertiaError: see `check_inertia`; moments may be zero, and negative by round-off.
+    """
+    if mass == 0.0 and not np.any(inertia):
+        return
+    check_inertia(link, mass, com, inertia, point_mass=True, allowance=ROUND_OFF * _largest(inertia) + POINT * mass)
 
 
 def pseudo_inertia(parameters: Vector) -> Vector:
@@ -70,11 +95,18 @@ def pseudo_inertia(parameters: Vector) -> Vector:
     return out
 
 
-def is_consistent(parameters: Vector) -> bool:
-    """True if a body with these ten parameters (Pinocchio's order) can exist."""
+def is_consistent(parameters: Vector, *, limit: bool = False) -> bool:
+    """True if a body with these ten parameters (Pinocchio's order) can exist.
+
+    Args:
+        parameters: (10,).
+        limit: accept points, rods and plates too, which are limits of bodies.
+    """
     if not np.isfinite(parameters).all():
         return False
-    return bool(np.linalg.eigvalsh(pseudo_inertia(parameters))[0] > 0.0)
+    pseudo = pseudo_inertia(parameters)
+    least = float(np.linalg.eigvalsh(pseudo)[0])
+    return least > 0.0 or (limit and least >= -ROUND_OFF * float(np.trace(pseudo)))
 
 
 def inertial_parameters(robot: Robot) -> Vector:
@@ -87,13 +119,17 @@ def inertial_parameters(robot: Robot) -> Vector:
     return np.array([inertias[index].toDynamicParameters() for index in range(1, robot.n + 2)])
 
 
-def _check_moments(key: str, inertia: Vector) -> None:
+def _largest(inertia: Vector) -> float:
+    return float(np.max(np.abs(inertia)))
+
+
+def _check_moments(key: str, inertia: Vector, allowance: float) -> None:
     moments = np.linalg.eigvalsh(inertia)
-    if moments[0] <= 0.0:
+    if moments[0] <= 0.0 and moments[0] < -allowance:
         raise InertiaError(
             "inertia is not positive definite", key=key, value=moments.tolist(), accepted="principal moments > 0 kg m2"
         )
-    if moments[0] + moments[1] < moments[2] * (1.0 - ROUND_OFF):
+    if moments[0] + moments[1] < moments[2] - max(allowance, ROUND_OFF * moments[2]):
         raise InertiaError(
             "inertia violates the triangle inequality",
             key=key,

@@ -7,17 +7,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from space_robot_description.actuation import check_actuators
 from space_robot_description.compose import compose_urdf
-from space_robot_description.model import JointRow, build_model, end_of_arm
+from space_robot_description.joint_row import JointRow
+from space_robot_description.mass_matrix import check_invertible
+from space_robot_description.model import build_model, end_of_arm
 from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import RobotSpec
 from space_robot_description.share import config_dir, is_file, resource, shipped
 from space_robot_description.spec import Actuators, expand
 from space_robot_description.urdf import Tree, child_of, parse_urdf
 from space_robot_description.validation import nearest, parse_yaml, validate
-from space_robot_msgs_py.bounded_files import read_text, short
+from space_robot_description.xacro_file import expand_xacro, is_xacro
+from space_robot_msgs_py.bounded_files import read_bytes, short
+from space_robot_msgs_py.bounded_xml import decode_xml
 from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.limits import URDF_BYTES
@@ -73,35 +78,45 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
     Raises:
         SpaceRobotError: see `load_robot`.
     """
-    text, urdf_folder = _urdf_text(spec.urdf, folder)
-    urdf = compose_urdf(spec, text, urdf_folder)
+    text, urdf_folder = _urdf_text(spec, folder)
+    urdf, notes = compose_urdf(spec, text, urdf_folder)
     tree = parse_urdf(urdf, f"{spec.name} urdf")
     model, rows = build_model(tree)
     names = tuple(rows)
+    bodies = (tree.root_link, *(child_of(tree.joints[name]) for name in names))
     actuators = check_actuators(spec, names, [row.effort for row in rows.values()])
+    home = _home(spec, rows)
+    check_invertible(model, np.concatenate([pin.neutral(model)[:7], home]), bodies)
     return Robot(
         name=spec.name,
         urdf=urdf,
         model=model,
         joint_names=names,
-        body_names=(tree.root_link, *(child_of(tree.joints[name]) for name in names)),
+        body_names=bodies,
         base_mode=spec.base_mode,
         actuators=actuators,
         effort_limit=expand(actuators.joints.effort, names, "actuators.joints.effort"),
         joint_lower=_column(rows, "lower"),
         joint_upper=_column(rows, "upper"),
         joint_rate_limit=_column(rows, "velocity"),
-        home=_home(spec, rows),
+        home=home,
         tool_frame=_tool(spec, tree),
         resolved=_resolved(spec, urdf, actuators),
+        notes=notes,
     )
 
 
-def _urdf_text(urdf: str, folder: Path) -> tuple[str, Path | None]:
-    if urdf.lstrip().startswith("<"):
-        return urdf, None
-    path = resource(urdf, folder)
-    return read_text(path, URDF_BYTES, f"urdf {short(path)}"), path.parent
+def _urdf_text(spec: RobotSpec, folder: Path) -> tuple[str, Path | None]:
+    inside = spec.urdf.lstrip().startswith("<")
+    if spec.xacro_args and (inside or not is_xacro(spec.urdf)):
+        value = "URDF text" if inside else short(spec.urdf)
+        raise SpecError("only a xacro file has arguments", key="xacro_args", value=value, accepted="urdf: FILE.xacro")
+    if inside:
+        return spec.urdf, None
+    path = resource(spec.urdf, folder)
+    where = f"urdf {short(path)}"
+    data = expand_xacro(path, spec.xacro_args) if is_xacro(spec.urdf) else read_bytes(path, URDF_BYTES, where)
+    return decode_xml(data, where), path.parent
 
 
 def _column(rows: Mapping[str, JointRow], field: str) -> Vector:
@@ -112,11 +127,18 @@ def _column(rows: Mapping[str, JointRow], field: str) -> Vector:
 
 
 def _home(spec: RobotSpec, rows: Mapping[str, JointRow]) -> Vector:
-    home = expand(spec.home, tuple(rows), "home", default=[0.0] * len(rows))
-    for (name, row), position in zip(rows.items(), home.tolist(), strict=True):
-        if not row.lower <= position <= row.upper:
-            accepted = f"{row.lower:g}..{row.upper:g}"
-            raise SpecError("home is outside the joint limits", key=f"home.{name}", value=position, accepted=accepted)
+    nearest_to_0 = [min(max(0.0, row.lower), row.upper) for row in rows.values()]
+    home = expand(spec.home, tuple(rows), "home", default=nearest_to_0)
+    stands = dict(zip(rows, home.tolist(), strict=True))
+    outside = {name: row for name, row in rows.items() if not row.lower <= stands[name] <= row.upper}
+    if len(outside) == 1:
+        name, row = next(iter(outside.items()))
+        accepted = f"{row.lower:g}..{row.upper:g}"
+        raise SpecError("home is outside the joint limits", key=f"home.{name}", value=stands[name], accepted=accepted)
+    if outside:
+        value = ", ".join(f"{name} {stands[name]:g}" for name in outside)
+        accepted = ", ".join(f"{name} {row.lower:g}..{row.upper:g}" for name, row in outside.items())
+        raise SpecError("home is outside the joint limits", key="home", value=value, accepted=accepted)
     return home
 
 
@@ -130,7 +152,6 @@ def _tool(spec: RobotSpec, tree: Tree) -> str:
 
 
 def _resolved(spec: RobotSpec, urdf: str, actuators: Actuators) -> dict[str, Any]:
-    """The file whose URDF holds base, locks and limits, so that nothing else is needed to make the robot again."""
+    """The file whose URDF holds base, locks, limits and inertias: nothing else is needed to make the robot again."""
     done: dict[str, Any] = {"urdf": urdf, "base": None, "locked_joints": {}, "joint_limits": {}, "actuators": actuators}
-    dumped: dict[str, Any] = spec.model_copy(update=done).model_dump(mode="json")
-    return dumped
+    return spec.model_copy(update=done).model_dump(mode="json", exclude={"inertia", "xacro_args"})

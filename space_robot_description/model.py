@@ -1,53 +1,31 @@
-"""A checked URDF tree to a Pinocchio model: free-flyer root, one coordinate per joint, no gravity."""
+"""A checked URDF tree to a Pinocchio model: free-flyer root, one coordinate per joint, no gravity.
+
+The model is made of the numbers that were checked, joint by joint and body by body; no other parser reads the text.
+"""
 
 from __future__ import annotations
 
-import copy
-import math
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import numpy as np
 import pinocchio as pin
 
-from space_robot_description.inertia import check_inertia
-from space_robot_description.urdf import (
-    MOVING,
-    Tree,
-    axis_of,
-    check_link_inertia,
-    child_of,
-    kind_of,
-    number,
-    numbers,
-    parent_of,
-)
+from space_robot_description.inertia import check_body
+from space_robot_description.joint_row import JointRow, read_joint
+from space_robot_description.link_body import LinkBody, can_exist, read_body
+from space_robot_description.sums import check_sums
+from space_robot_description.urdf import MOVING, Tree, child_of, kind_of, parent_of
+from space_robot_description.urdf_values import placement_of
 from space_robot_msgs_py.errors import InertiaError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 
-# urdfdom reads no infinity; the model gets the real one afterwards.
-_UNLIMITED = 1e9
-_PINOCCHIO_NAMES = ("universe", "root_joint")
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class JointRow:
-    """One moving joint of the URDF.
-
-    Attributes:
-        axis: (3,) unit axis in the joint frame.
-        lower: [rad or m], -inf for continuous.
-        upper: [rad or m], +inf for continuous.
-        velocity: [rad/s or m/s], +inf if absent or 0.
-        effort: [N m or N], 0 if absent.
-    """
-
-    axis: Vector
-    lower: float
-    upper: float
-    velocity: float
-    effort: float
+ROOT_JOINT = "root_joint"
+_ALIGNED = {
+    (1.0, 0.0, 0.0): (pin.JointModelRX, pin.JointModelPX),
+    (0.0, 1.0, 0.0): (pin.JointModelRY, pin.JointModelPY),
+    (0.0, 0.0, 1.0): (pin.JointModelRZ, pin.JointModelPZ),
+}
 
 
 def build_model(tree: Tree) -> tuple[Any, dict[str, JointRow]]:
@@ -63,26 +41,15 @@ def build_model(tree: Tree) -> tuple[Any, dict[str, JointRow]]:
         SpecError: a joint that cannot be a single coordinate, or bad limits.
         InertiaError: a body that cannot exist, or a moving link without mass.
     """
-    for name, link in tree.links.items():
-        check_link_inertia(name, link)
-    for name in (*tree.links, *tree.joints):
-        if name in _PINOCCHIO_NAMES:
-            raise SpecError("the model uses this name itself", key="urdf", value=name, accepted="any other name")
-    rows = {name: row for name, joint in tree.joints.items() if (row := _joint_row(name, joint)) is not None}
+    bodies = {name: read_body(name, link) for name, link in tree.links.items()}
+    rows = {name: row for name, joint in tree.joints.items() if (row := read_joint(name, joint)) is not None}
     if not rows:
         raise SpecError("no moving joint is left", key="urdf", accepted="a robot with at least one")
-    try:
-        model = pin.buildModelFromXML(_bare_urdf(tree, rows), pin.JointModelFreeFlyer())
-    except (ValueError, RuntimeError) as error:
-        raise SpecError(f"Pinocchio cannot build the robot: {error}", key="urdf") from None
+    rows = {name: rows[name] for name in tree.walk() if name in rows}
+    model = _assembled(tree, bodies, rows)
     model.gravity.setZero()
-    for index, names in enumerate(
-        [tree.root_link, *(child_of(tree.joints[name]) for name in model.names[2:])], start=1
-    ):
-        _check_body(names, model.inertias[index])
-    rows = {name: rows[name] for name in model.names[2:]}
-    model.lowerPositionLimit = np.concatenate([model.lowerPositionLimit[:7], [row.lower for row in rows.values()]])
-    model.upperPositionLimit = np.concatenate([model.upperPositionLimit[:7], [row.upper for row in rows.values()]])
+    _check_bodies(tree, bodies, model, [tree.root_link, *(child_of(tree.joints[name]) for name in rows)])
+    check_sums(tree, bodies, model)
     return model, rows
 
 
@@ -98,68 +65,80 @@ def end_of_arm(tree: Tree) -> str:
     return max(leaves, key=depth.__getitem__)
 
 
-def _joint_row(name: str, joint: ET.Element) -> JointRow | None:
-    key = f"joint {name}"
-    kind = kind_of(joint)
-    numbers(joint.find("origin"), "xyz", "0 0 0", key)
-    numbers(joint.find("origin"), "rpy", "0 0 0", key)
-    if kind == "fixed":
-        return None
-    if kind not in MOVING:
-        hint = "; the root link is free by itself, drop this joint" if kind == "floating" else ""
-        raise SpecError("joint type cannot be used", key=key, value=kind, accepted=f"fixed, {', '.join(MOVING)}{hint}")
-    if joint.find("mimic") is not None:
-        raise SpecError(
-            "mimics another joint; a coupled joint has no effort of its own",
-            key=key,
-            accepted="lock it, or the joint it follows, in locked_joints",
-        )
-    return JointRow(axis_of(joint, key), *_limits(kind, joint.find("limit"), key))
+def _assembled(tree: Tree, bodies: Mapping[str, LinkBody], rows: Mapping[str, JointRow]) -> Any:
+    model = pin.Model()
+    model.name = "robot"
+    root = ROOT_JOINT
+    while root in tree.joints:
+        root += "_"
+    index = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), root)
+    frame = model.addJointFrame(index, 0)
+    model.appendBodyToJoint(index, bodies[tree.root_link].spatial(), pin.SE3.Identity())
+    frames = {tree.root_link: _add_body_frame(model, tree.root_link, frame)}
+    for name in tree.walk():
+        joint = tree.joints[name]
+        parent, placement = frames[parent_of(joint)], placement_of(joint, f"joint {name}")
+        body = bodies[child_of(joint)].spatial()
+        if name in rows:
+            frame = _add_joint(model, name, rows[name], body, placement, parent)
+        else:
+            frame = _add_fixed(model, name, body, placement, parent)
+        frames[child_of(joint)] = _add_body_frame(model, child_of(joint), frame)
+    return model
 
 
-def _limits(kind: str, limit: ET.Element | None, key: str) -> tuple[float, float, float, float]:
-    if limit is None:
-        if kind == "continuous":
-            return -math.inf, math.inf, math.inf, 0.0
-        raise SpecError(f"{kind} joint without <limit>", key=key, accepted="<limit lower= upper= effort= velocity=>")
-    velocity, effort = number(limit, "velocity", key) or math.inf, number(limit, "effort", key) or 0.0
-    if velocity < 0.0 or effort < 0.0:
-        raise SpecError("limit is negative", key=key, value=f"velocity {velocity}, effort {effort}", accepted=">= 0")
-    if kind == "continuous":
-        return -math.inf, math.inf, velocity, effort
-    lower, upper = number(limit, "lower", key) or 0.0, number(limit, "upper", key) or 0.0
-    if not lower < upper:
-        raise SpecError("limits are not in order", key=key, value=[lower, upper], accepted="lower < upper")
-    return lower, upper, velocity, effort
+def _add_body_frame(model: Any, link: str, frame: int) -> int:
+    """Add the frame of a link where the frame of its joint stands."""
+    at = model.frames[frame]
+    return int(model.addBodyFrame(link, at.parentJoint, at.placement, frame))
 
 
-def _bare_urdf(tree: Tree, rows: dict[str, JointRow]) -> str:
-    """Only what the dynamics needs: third-party friction, mimic and mesh tags must not change the model."""
-    root = ET.Element("robot", name="robot")
-    for name, link in tree.links.items():
-        bare = ET.SubElement(root, "link", name=name)
-        if check_link_inertia(name, link) > 0.0:
-            bare.extend(copy.deepcopy(link.findall("inertial")))
-    for name, joint in tree.joints.items():
-        row = rows.get(name)
-        kind = "fixed" if row is None else "prismatic" if kind_of(joint) == "prismatic" else "revolute"
-        bare = ET.SubElement(root, "joint", name=name, type=kind)
-        bare.extend(copy.deepcopy([element for element in joint if element.tag in ("parent", "child")]))
-        origin = {name: numbers(joint.find("origin"), name, "0 0 0", name).tolist() for name in ("xyz", "rpy")}
-        ET.SubElement(bare, "origin", {name: " ".join(map(repr, values)) for name, values in origin.items()})
-        if row is not None:
-            ET.SubElement(bare, "axis", xyz=" ".join(map(repr, row.axis.tolist())))
-            lower, upper = max(row.lower, -_UNLIMITED), min(row.upper, _UNLIMITED)
-            ET.SubElement(bare, "limit", lower=repr(lower), upper=repr(upper), effort="0", velocity="0")
-    return ET.tostring(root, encoding="unicode")
+def _add_fixed(model: Any, name: str, body: Any, placement: Any, parent: int) -> int:
+    """Add the frame of a fixed joint, and the body behind it to the joint that moves it."""
+    at = model.frames[parent]
+    place = at.placement * placement
+    return int(model.addFrame(pin.Frame(name, at.parentJoint, parent, place, pin.FrameType.FIXED_JOINT, body), True))
 
 
-def _check_body(link: str, inertia: Any) -> None:
-    if inertia.mass <= 0.0:
-        raise InertiaError(
-            "a moving link has no mass",
-            key=f"link {link}",
-            value=float(inertia.mass),
-            accepted="an <inertial> with mass and inertia, on it or on what is fixed to it",
-        )
-    check_inertia(link, inertia.mass, inertia.lever, inertia.inertia)
+def _add_joint(model: Any, name: str, row: JointRow, body: Any, placement: Any, parent: int) -> int:
+    at = model.frames[parent]
+    none = np.zeros(1)
+    limits = (none, none, np.array([row.lower]), np.array([row.upper]))
+    index = model.addJoint(at.parentJoint, _joint_model(row), at.placement * placement, name, *limits)
+    # Frames first: each adds an inertia of zero, which is no more than round-off, and the order of sums is the bits.
+    frame = int(model.addJointFrame(index, parent))
+    model.appendBodyToJoint(index, body, pin.SE3.Identity())
+    return frame
+
+
+def _check_bodies(tree: Tree, bodies: Mapping[str, LinkBody], model: Any, moving: Sequence[str]) -> None:
+    ends = set(range(1, model.njoints)) - set(model.parents[1:])
+    for index, link in enumerate(moving, start=1):
+        inertia = model.inertias[index]
+        if inertia.mass == 0.0 and not np.any(inertia.inertia) and index in ends:
+            accepted = "an <inertial> with mass and inertia, on it or on what is fixed to it"
+            raise InertiaError("a moving link has no mass", key=f"link {link}", value=inertia.mass, accepted=accepted)
+        try:
+            check_body(link, inertia.mass, inertia.lever, inertia.inertia)
+        except InertiaError as error:
+            wrong = [n for n in _parts(tree, link) if bodies[n].mass > 0.0 and not can_exist(n, bodies[n])]
+            advice = f"; or inertia: {{project: [{', '.join(wrong)}]}} in the robot file" if wrong else ""
+            accepted = f"{error.accepted}{advice}"
+            raise InertiaError(error.message, key=error.key, value=error.value, accepted=accepted) from None
+
+
+def _parts(tree: Tree, link: str) -> list[str]:
+    """The link and all that is fixed to it."""
+    parts = [link]
+    for part in parts:
+        fixed = [joint for name in tree.children[part] if kind_of(joint := tree.joints[name]) not in MOVING]
+        parts += [child_of(joint) for joint in fixed]
+    return parts
+
+
+def _joint_model(row: JointRow) -> Any:
+    axis: Vector = row.axis
+    aligned = _ALIGNED.get(tuple(axis.tolist()))
+    if aligned is not None:
+        return aligned[row.prismatic]()
+    return (pin.JointModelPrismaticUnaligned if row.prismatic else pin.JointModelRevoluteUnaligned)(axis)

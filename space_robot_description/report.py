@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.foresight import robot_warnings
 from space_robot_description.inertia import inertial_parameters
-from space_robot_description.mass_matrix import mass_matrix
+from space_robot_description.mass_matrix import reduced_mass_matrix
 from space_robot_description.reach import Reach, reach_of
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
@@ -83,6 +84,8 @@ class RobotReport:
         coupling: of arm and base at home.
         joints: in model order.
         actuators: as in the robot file.
+        notes: what the robot file changed in the URDF's inertias.
+        warnings: what will probably go wrong with it.
     """
 
     name: str
@@ -100,6 +103,8 @@ class RobotReport:
     coupling: Coupling
     joints: tuple[JointReport, ...]
     actuators: dict[str, Any]
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, strings and lists, fit for JSON; an infinite limit is None."""
@@ -130,13 +135,14 @@ def robot_report(robot: Robot) -> RobotReport:
         coupling=coupling_at(robot, robot.home),
         joints=_joints(robot),
         actuators=robot.actuators.model_dump(mode="json"),
+        notes=robot.notes,
+        warnings=robot_warnings(robot),
     )
 
 
 def coupling_at(robot: Robot, joints: Vector) -> Coupling:
     """Coupling of arm and base at the (n,) joint positions; the base pose does not matter."""
-    full = mass_matrix(robot.model, np.concatenate([pin.neutral(robot.model)[:7], joints]))
-    reduced = full[3:, 3:] - full[3:, :3] @ np.linalg.solve(full[:3, :3], full[:3, 3:])
+    reduced = reduced_mass_matrix(robot.model, joints)
     base, cross, arm = reduced[:3, :3], reduced[:3, 3:], reduced[3:, 3:]
     return Coupling(
         condition=float(np.linalg.cond(reduced)),

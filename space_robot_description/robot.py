@@ -31,6 +31,7 @@ class Robot:
             the plant has its own.
         tool_frame: the link at the end of the arm, in ``model.frames``.
         resolved: the robot file with the URDF inside; ``load_robot`` makes the same robot from it, bit for bit.
+        notes: what the robot file changed in the URDF's inertias, a sentence each.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Robot:
     tool_frame: str = ""
     command_delay: int = 0
     resolved: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @property
     def n(self) -> int:

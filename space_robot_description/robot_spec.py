@@ -60,6 +60,18 @@ class JointLimits(Strict):
     velocity: PositiveFloat | None = Field(default=None, description="[rad/s or m/s]")
 
 
+class InertiaChanges(Strict):
+    """Inertias of links that are not those of the URDF."""
+
+    project: tuple[str, ...] = Field(
+        default=(), description="links of which the inertia cannot exist: they get the nearest one that can"
+    )
+    replace: dict[str, InertiaInput] = Field(
+        default_factory=dict,
+        description="link: inertia about its centre of mass, axes of the link [kg m2], as that of base",
+    )
+
+
 class RobotSpec(Strict):
     """A robot file. Joint and link names are those of the composed URDF."""
 
@@ -69,7 +81,10 @@ class RobotSpec(Strict):
         min_length=1,
         max_length=URDF_BYTES.most,
         description="path relative to this file, package://<package>/<path>, example-robot-data:<path under robots/>, "
-        "or the URDF text itself",
+        "or the URDF text itself; FILE.xacro is expanded where the extra `xacro` is installed",
+    )
+    xacro_args: dict[str, bool | int | float | str] = Field(
+        default_factory=dict, description="arguments of a xacro file by name"
     )
     base: BaseSpec | None = Field(
         default=None, description="present: the URDF is an arm and stands on this satellite; absent: it is everything"
@@ -78,10 +93,15 @@ class RobotSpec(Strict):
         description="free_floating: no force on the base; free_flying: thrusters push it"
     )
     actuators: Actuators
-    home: PerJoint = Field(default_factory=dict, description="[rad or m]; joints not named stand at 0")
+    home: PerJoint = Field(
+        default_factory=dict, description="[rad or m]; joints not named stand at 0, or at the limit nearest to it"
+    )
     locked_joints: dict[str, float] = Field(default_factory=dict, description="joint: position it is fixed at")
     joint_limits: dict[str, JointLimits] = Field(
         default_factory=dict, description="joint: limits instead of the URDF's"
+    )
+    inertia: InertiaChanges = Field(
+        default_factory=InertiaChanges, description="inertias that replace the URDF's; names of links as composed"
     )
     tool: str | None = Field(
         default=None, description="link at the end of the arm; default: link `tool`, else the end of the longest chain"

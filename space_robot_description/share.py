@@ -13,6 +13,7 @@ from space_robot_description.validation import nearest
 from space_robot_msgs_py.bounded_files import is_file as is_file
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import InputFileError
+from space_robot_msgs_py.extras import install
 from space_robot_msgs_py.paths import StrPath
 
 DATA = Path("share") / "space_robot" / "config"
@@ -122,7 +123,24 @@ def _wheel_prefixes() -> list[Path]:
     return [prefix for entry in sys.path if (prefix := Path(entry) / "cmeel.prefix").is_dir()]
 
 
+def wheel_urdfs() -> list[str]:
+    """Sorted paths of the URDFs of the example-robot-data wheel, below its ``robots/``.
+
+    Raises:
+        InputFileError: it is not installed.
+    """
+    root = _wheel_robots(WHEEL_SCHEME)
+    return sorted(path.relative_to(root).as_posix() for path in root.rglob("*.urdf"))
+
+
 def _in_wheel(uri: str) -> Path:
+    path = _wheel_robots(uri) / uri.removeprefix(WHEEL_SCHEME)
+    if not is_file(path):
+        raise InputFileError("the example-robot-data wheel has no such file", key="urdf", value=uri)
+    return path
+
+
+def _wheel_robots(uri: str) -> Path:
     inside = Path("share") / "example-robot-data" / "robots"
     roots = [root for prefix in _wheel_prefixes() if (root := prefix / inside).is_dir()]
     if not roots:
@@ -130,12 +148,9 @@ def _in_wheel(uri: str) -> Path:
             "the robots of the example-robot-data wheel are not installed",
             key="urdf",
             value=uri,
-            accepted="pip install example-robot-data (extra: space-robot[robots])",
+            accepted=install("robots"),
         )
-    path = roots[0] / uri.removeprefix(WHEEL_SCHEME)
-    if not is_file(path):
-        raise InputFileError("the example-robot-data wheel has no such file", key="urdf", value=uri)
-    return path
+    return roots[0]
 
 
 def _in_package(uri: str) -> Path:

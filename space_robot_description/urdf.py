@@ -1,24 +1,17 @@
-"""URDF text to a checked tree: names, axes, limits and inertias, every complaint with the link's or joint's name."""
+"""URDF text to a checked tree of links and joints in one spelling, every complaint with the link's or joint's name."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
-import numpy as np
-
-from space_robot_description.inertia import check_inertia
-from space_robot_description.spec import MAX_MAGNITUDE
+from space_robot_description.urdf_plain import plain_robot
 from space_robot_msgs_py.bounded_xml import parse_xml
-from space_robot_msgs_py.errors import InertiaError, SpecError
-from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.limits import JOINTS, NAME_LENGTH
 
 MOVING = ("revolute", "continuous", "prismatic")
-# Simulator and driver extensions say nothing about the body; they also quote joint names that may be changed here.
-IGNORED = ("gazebo", "transmission", "ros2_control")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,17 +45,11 @@ def parse_urdf(text: str, where: str) -> Tree:
     """Parse URDF text and check that it is one tree of links and joints.
 
     Raises:
-        SpecError: not XML, not a URDF, xacro, a name twice or unknown, several roots, or a loop.
+        SpecError: not XML, not a URDF, xacro, a name twice or unknown, several roots, a loop, or an element or
+            attribute that would have a meaning and is spelt in no way of URDF.
     """
     root = parse_xml(text, where)
-    if root.tag != "robot":
-        raise SpecError("not a URDF", key=where, value=f"<{root.tag}>", accepted="<robot> at the top")
-    if any(str(element.tag).startswith("{") for element in root.iter()) or "${" in text:
-        raise SpecError(
-            "xacro or foreign elements in the URDF", key=where, accepted="plain URDF: run xacro on it first"
-        )
-    for element in [child for child in root if child.tag in IGNORED]:
-        root.remove(element)
+    plain_robot(root, where)
     links, joints = _named(root, "link", where), _named(root, "joint", where)
     return _tree(root, links, joints, where)
 
@@ -80,96 +67,6 @@ def parent_of(joint: ET.Element) -> str:
 def child_of(joint: ET.Element) -> str:
     """Name of the link the joint moves."""
     return _link_attribute(joint, "child")
-
-
-def axis_of(joint: ET.Element, key: str) -> Vector:
-    """The joint's unit axis (3,) in the joint frame.
-
-    Raises:
-        SpecError: not three finite numbers, or no direction.
-    """
-    axis = numbers(joint.find("axis"), "xyz", "1 0 0", key)
-    length = float(np.linalg.norm(axis))
-    if length < 1e-6:
-        raise SpecError("axis has no direction", key=key, value=axis.tolist(), accepted="a vector of length 1")
-    # An axis of length 1 is left alone: dividing by 1 + 1e-16 would make x, y, z axes into general ones.
-    return axis if abs(length - 1.0) < 1e-15 else axis / length
-
-
-def numbers(element: ET.Element | None, attribute: str, default: str, key: str) -> Vector:
-    """Three finite numbers of an attribute such as ``xyz``.
-
-    Raises:
-        SpecError: not three finite numbers, or one beyond ``MAX_MAGNITUDE``.
-    """
-    text = default if element is None else element.get(attribute, default)
-    values = [_to_float(part) for part in text.split()]
-    if len(values) != 3 or not all(abs(value) <= MAX_MAGNITUDE for value in values):
-        accepted = f"three finite numbers, none beyond {MAX_MAGNITUDE:g}"
-        raise SpecError(f"{attribute} is not a vector", key=key, value=text, accepted=accepted)
-    return np.array(values)
-
-
-def number(element: ET.Element, attribute: str, key: str) -> float | None:
-    """One number of an attribute, None if it is absent.
-
-    Raises:
-        SpecError: not a finite number.
-    """
-    text = element.get(attribute)
-    if text is None:
-        return None
-    value = _to_float(text)
-    if not math.isfinite(value):
-        raise SpecError(f"{attribute} is not a number", key=key, value=text, accepted="a finite number")
-    return value
-
-
-def check_link_inertia(name: str, link: ET.Element) -> float:
-    """Check the ``<inertial>`` of a link and return its mass [kg]; 0 for a massless frame.
-
-    Raises:
-        InertiaError: mass without inertia, or a body that cannot exist.
-    """
-    inertial = link.find("inertial")
-    if inertial is None:
-        return 0.0
-    key = f"link {name}"
-    mass_element, inertia_element = inertial.find("mass"), inertial.find("inertia")
-    mass = 0.0 if mass_element is None else _physical(mass_element, "value", key)
-    entries = {entry: 0.0 for entry in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
-    if inertia_element is not None:
-        entries = {entry: _physical(inertia_element, entry, key) for entry in entries}
-    if mass == 0.0 and not any(entries.values()):
-        return 0.0
-    if mass > 0.0 and not any(entries.values()):
-        raise InertiaError(
-            "the link has mass but no inertia", key=key, value=mass, accepted="<inertia ixx=... > of the link"
-        )
-    ixx, iyy, izz, ixy, ixz, iyz = entries.values()
-    try:
-        com, _ = (numbers(inertial.find("origin"), attribute, "0 0 0", key) for attribute in ("xyz", "rpy"))
-    except SpecError as error:
-        raise InertiaError(error.message, key=key, value=error.value, accepted=error.accepted) from None
-    check_inertia(name, mass, com, np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]]))
-    return mass
-
-
-def _to_float(text: str) -> float:
-    """The number in a text, NaN if there is none; Python alone would read 1_0 as ten."""
-    try:
-        return math.nan if "_" in text else float(text)
-    except ValueError:
-        return math.nan
-
-
-def _physical(element: ET.Element, attribute: str, key: str) -> float:
-    text = element.get(attribute, "0")
-    value = _to_float(text)
-    if not math.isfinite(value):
-        name = "mass" if element.tag == "mass" else attribute
-        raise InertiaError(f"{name} is not a finite number", key=key, value=text, accepted="a finite number")
-    return value
 
 
 def _named(root: ET.Element, tag: str, where: str) -> dict[str, ET.Element]:
@@ -192,6 +89,8 @@ def _link_attribute(joint: ET.Element, tag: str) -> str:
 
 
 def _tree(root: ET.Element, links: dict[str, ET.Element], joints: dict[str, ET.Element], where: str) -> Tree:
+    if not links:
+        raise SpecError("a URDF has one root link", key=where, value="no link", accepted="<link name=...>")
     children: dict[str, list[str]] = {name: [] for name in links}
     parents: dict[str, str] = {}
     for name in sorted(joints):

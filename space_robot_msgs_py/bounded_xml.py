@@ -1,12 +1,59 @@
-"""XML of third parties: no entities, and size and depth are bounded while it is parsed."""
+"""XML of third parties: its encoding, no entities, and size and depth are bounded while it is parsed."""
 
 from __future__ import annotations
 
+import codecs
+import re
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import InputFileError, SpecError
 from space_robot_msgs_py.limits import URDF_BYTES, URDF_DEPTH, URDF_ELEMENTS
+
+_DECLARED = re.compile(rb"""\s*<\?xml\s[^>]{0,200}?\bencoding\s*=\s*["']([A-Za-z][A-Za-z0-9._-]{0,40})["']""")
+_MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+    b"<\x00": "utf-16-le",
+    b"\x00<": "utf-16-be",
+}
+# Python's registry also has codecs that are no encodings of text, such as zlib.
+_ENCODING = re.compile(
+    r"utf-8|utf-16(-[bl]e)?|ascii|iso8859-\d+|cp\d+|koi8-[rtu]|gb2312|gbk|gb18030|big5|euc_.*|shift_jis"
+)
+
+
+def decode_xml(data: bytes, where: str) -> str:
+    """The text of an XML file, in the encoding of its byte order mark or its declaration, else UTF-8.
+
+    Args:
+        data: of the file.
+        where: names it in errors.
+
+    Raises:
+        InputFileError: the bytes are none of that encoding.
+        SpecError: the encoding is unknown.
+    """
+    encoding = next((name for mark, name in _MARKS.items() if data.startswith(mark)), "")
+    if not encoding:
+        declared = _DECLARED.match(data)
+        encoding = declared[1].decode("ascii") if declared else "utf-8"
+        if not _is_encoding(encoding):
+            accepted = "UTF-8, UTF-16, ISO-8859-1 or another one of XML"
+            raise SpecError("unknown encoding", key=where, value=encoding, accepted=accepted)
+    try:
+        return data.decode(encoding)
+    except UnicodeDecodeError as error:
+        what = f"cannot be read as {encoding.upper()} text: {error.reason} at byte {error.start}"
+        raise InputFileError(what, key=where) from None
+
+
+def _is_encoding(name: str) -> bool:
+    try:
+        return _ENCODING.fullmatch(codecs.lookup(name).name) is not None
+    except LookupError:
+        return False
 
 
 def parse_xml(text: str, where: str) -> ET.Element:

@@ -6,21 +6,19 @@ aliases would be more values than there are atoms.
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
-from ruamel.yaml import YAML
-from ruamel.yaml.composer import Composer
-from ruamel.yaml.error import MarkedYAMLError, ReusedAnchorWarning, YAMLError
-from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
+from yaml import MappingNode, MarkedYAMLError, Node, ScalarNode, SequenceNode, YAMLError
+from yaml.reader import ReaderError
 
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.limits import INTEGER_BITS, YAML_BYTES, YAML_DEPTH, YAML_NODES, Limit
+from space_robot_msgs_py.yaml_nodes import TooLarge, YamlProblem, compose
+from space_robot_msgs_py.yaml_values import BOOL, FLOAT, INT, MAP, MERGE, NULL, SEQ, STR, TIMESTAMP, scalar
 
 # What plain data is made of. Dates, sets, binaries and Python's own are no part of any file here.
-_KINDS = ("null", "bool", "int", "float", "str", "seq", "map", "merge")
-_TAGS = frozenset(f"tag:yaml.org,2002:{kind}" for kind in _KINDS)
-_TIMESTAMP = "tag:yaml.org,2002:timestamp"
+_SCALARS = frozenset((NULL, BOOL, INT, FLOAT, STR, MERGE))
+_ANCHOR = "found duplicate anchor"
 
 
 def load_yaml(text: str, where: str, limit: Limit = YAML_BYTES) -> Any:
@@ -32,28 +30,20 @@ def load_yaml(text: str, where: str, limit: Limit = YAML_BYTES) -> Any:
         limit: of its size [bytes].
 
     Raises:
-        SpecError: not YAML (with line and column), a key twice, an alias to its own parent, a tag of another kind, or
-            something is beyond a limit.
+        SpecError: not YAML (with line and column), a key or an anchor twice, an alias to its own parent, a tag of
+            another kind, or something is beyond a limit.
     """
     limit.check(len(text), where)
-    yaml = YAML(typ="safe", pure=True)
-    yaml.Composer = _Bounded
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ReusedAnchorWarning)
-            data = yaml.load(text)
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        place = f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        # ruamel appends advice on how to switch the check off; the first line is the problem.
-        problem = str(error.problem or error.context or "syntax error").strip().splitlines()[0]
-        raise SpecError(f"not valid YAML{place}: {problem}", key=where) from None
-    except _TooLarge as error:
+        node = compose(text)
+        if node is None:
+            return None
+        _Checker().check(node)
+        return _Builder().build(node)
+    except TooLarge as error:
         raise error.limit.exceeded(where) from None
-    except (YAMLError, ValueError, RecursionError, AttributeError, TypeError, LookupError, AssertionError) as error:
-        # The last four: what ruamel makes of some texts that are no YAML.
-        raise SpecError(f"not valid YAML: {(str(error) or type(error).__name__).splitlines()[0]}", key=where) from None
-    return data
+    except (YAMLError, ValueError) as error:
+        raise SpecError(f"not valid YAML{_place(error, text)}: {_what(error)}", key=where) from None
 
 
 def values_in(data: object) -> int:
@@ -63,37 +53,20 @@ def values_in(data: object) -> int:
     return 1 + sum(map(values_in, data)) if isinstance(data, list | tuple) else 1
 
 
-class _TooLarge(Exception):
-    """Something is beyond a limit."""
+def _place(error: Exception, text: str) -> str:
+    if isinstance(error, ReaderError):
+        before = text[: error.position]
+        return f" at line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
+    mark = (error.problem_mark or error.context_mark) if isinstance(error, MarkedYAMLError) else None
+    return f" at line {mark.line + 1}, column {mark.column + 1}" if mark else ""
 
-    def __init__(self, limit: Limit) -> None:
-        super().__init__(limit.name)
-        self.limit = limit
 
-
-class _Bounded(Composer):
-    """Counts while it composes, so that no more is ever held than may be."""
-
-    def __init__(self, loader: Any = None) -> None:
-        super().__init__(loader=loader)
-        self._count = self._level = 0
-
-    def compose_node(self, parent: Any, index: Any) -> Any:
-        self._count += 1
-        self._level += 1
-        if self._count > YAML_NODES.most:
-            raise _TooLarge(YAML_NODES)
-        if self._level > YAML_DEPTH.most:
-            raise _TooLarge(YAML_DEPTH)
-        node = super().compose_node(parent, index)
-        self._level -= 1
-        return node
-
-    def get_single_node(self) -> Any:
-        node = super().get_single_node()
-        if node is not None:
-            _Checker().check(node)
-        return node
+def _what(error: Exception) -> str:
+    if isinstance(error, ReaderError):
+        return str(error.reason)
+    if isinstance(error, MarkedYAMLError):
+        return _ANCHOR if str(error.context).startswith(_ANCHOR) else str(error.problem or error.context)
+    return (str(error) or type(error).__name__).splitlines()[0]
 
 
 class _Checker:
@@ -102,7 +75,7 @@ class _Checker:
     def __init__(self) -> None:
         self._sizes: dict[int, tuple[int, int]] = {}
 
-    def check(self, node: Any) -> tuple[int, int]:
+    def check(self, node: Node) -> tuple[int, int]:
         """Number of values and of levels of a node with all aliases written out.
 
         The depth of the recursion is bounded: aliases lead back to what stands before them.
@@ -110,56 +83,98 @@ class _Checker:
         found = self._sizes.get(id(node))
         if found is not None:
             if not found[0]:
-                raise _problem("an alias to what it is part of", node)
+                raise YamlProblem("an alias to what it is part of", node)
             return found
         self._sizes[id(node)] = (0, 0)
         count, depth = 1, 1
         if isinstance(node, ScalarNode):
             _check_scalar(node)
         else:
-            for child in self._children(node):
+            for child in _children(node):
                 inner = self.check(child)
                 count, depth = count + inner[0], max(depth, 1 + inner[1])
                 if count > YAML_NODES.most:
-                    raise _TooLarge(YAML_NODES)
+                    raise TooLarge(YAML_NODES)
                 if depth > YAML_DEPTH.most:
-                    raise _TooLarge(YAML_DEPTH)
+                    raise TooLarge(YAML_DEPTH)
         self._sizes[id(node)] = (count, depth)
         return count, depth
 
-    def _children(self, node: Any) -> list[Any]:
-        _check_tag(node)
-        if isinstance(node, SequenceNode):
-            return list(node.value)
-        assert isinstance(node, MappingNode)
-        # ruamel looks for keys that come twice only where nothing is merged.
-        keys = set()
-        for key, _ in node.value:
-            if not isinstance(key, ScalarNode):
-                raise _problem("a key that is no text or number", key)
-            if (key.value, _tag(key)) in keys:
-                raise _problem(f'found duplicate key "{key.value[:80]}"', key)
-            keys.add((key.value, _tag(key)))
-        return [part for pair in node.value for part in pair]
+
+class _Builder:
+    """Plain data of nodes that were checked; what is named twice is one object."""
+
+    def __init__(self) -> None:
+        self._built: dict[int, Any] = {}
+
+    def build(self, node: Node) -> Any:
+        """The data of a node."""
+        if isinstance(node, ScalarNode):
+            return _value(node)
+        if id(node) not in self._built:
+            data = self._mapping(node) if isinstance(node, MappingNode) else self._list(node)
+            self._built[id(node)] = data
+        return self._built[id(node)]
+
+    def _list(self, node: Node) -> list[Any]:
+        return [self.build(one) for one in node.value]
+
+    def _mapping(self, node: MappingNode) -> dict[Any, Any]:
+        merged: dict[Any, Any] = {}
+        own: dict[Any, Any] = {}
+        for key, value in node.value:
+            if key.tag == MERGE:
+                merged = self._merged(value)
+            else:
+                own[_value(key)] = self.build(value)
+        return merged | own
+
+    def _merged(self, node: Node) -> dict[Any, Any]:
+        """Of several mappings that are merged the first that has a key counts."""
+        merged: dict[Any, Any] = {}
+        for one in reversed(node.value if isinstance(node, SequenceNode) else [node]):
+            if not isinstance(one, MappingNode):
+                raise YamlProblem("only mappings are merged", one)
+            merged |= self.build(one)
+        return merged
 
 
-def _tag(node: Any) -> str:
-    return str(node.tag or "")
+def _children(node: Node) -> list[Node]:
+    expected = SEQ if isinstance(node, SequenceNode) else MAP
+    if node.tag != expected:
+        raise _refused_tag(node)
+    if isinstance(node, SequenceNode):
+        return list(node.value)
+    keys = set()
+    for key, _ in node.value:
+        if not isinstance(key, ScalarNode):
+            raise YamlProblem("a key that is no text or number", key)
+        if (key.value, key.tag) in keys:
+            raise YamlProblem(f'found duplicate key "{key.value[:80]}"', key)
+        keys.add((key.value, key.tag))
+    return [part for pair in node.value for part in pair]
 
 
-def _check_tag(node: Any) -> None:
-    if _tag(node) not in _TAGS:
-        raise _problem(f"the tag {_tag(node)[:80]!r} is not accepted, only plain data", node)
+def _value(node: ScalarNode) -> Any:
+    try:
+        return scalar(node.tag, node.value)
+    except ValueError as error:
+        raise YamlProblem(str(error), node) from None
 
 
-def _check_scalar(node: Any) -> None:
-    if _tag(node) == _TIMESTAMP:
-        raise _problem(f"a date without quotes ({node.value[:40]})", node)
-    _check_tag(node)
+def _refused_tag(node: Node) -> YamlProblem:
+    return YamlProblem(f"the tag {str(node.tag)[:80]!r} is not accepted, only plain data", node)
+
+
+def _check_scalar(node: ScalarNode) -> None:
+    if node.tag == TIMESTAMP:
+        raise YamlProblem(f"a date without quotes ({node.value[:40]})", node)
+    if node.tag not in _SCALARS:
+        raise _refused_tag(node)
     if "\0" in node.value:
-        raise _problem("a text with a NUL", node)
-    if _tag(node).endswith(":int") and _bits(node.value) > INTEGER_BITS.most:
-        raise _TooLarge(INTEGER_BITS)
+        raise YamlProblem("a text with a NUL", node)
+    if node.tag == INT and _bits(node.value) > INTEGER_BITS.most:
+        raise TooLarge(INTEGER_BITS)
 
 
 def _bits(text: str) -> int:
@@ -170,7 +185,3 @@ def _bits(text: str) -> int:
         return int(text.replace("_", ""), 0).bit_length()
     except ValueError:
         return 0
-
-
-def _problem(what: str, node: Any) -> MarkedYAMLError:
-    return MarkedYAMLError(None, None, what, node.start_mark)

@@ -45,7 +45,7 @@ class Footage:
 
 def way_of(model: Any, configurations: Vector, frame: str) -> Vector:
     """(K, 3) positions of a link [m], inertial frame."""
-    data, number = model.createData(), model.getFrameId(frame)
+    data, number = model.createData(), model.getFrameId(frame, pin.FrameType.BODY)
     positions = []
     for q in configurations:
         pin.forwardKinematics(model, data, q)

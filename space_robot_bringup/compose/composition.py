@@ -78,6 +78,11 @@ class Composition:
         return self.nominal.joint_names
 
     @property
+    def initial(self) -> tuple[Vector, Vector]:
+        """Where the run starts: (7+n,) configuration and (6+n,) velocity, as in RobotState."""
+        return self._q0, self._v0
+
+    @property
     def optional_topics(self) -> tuple[Topic, ...]:
         """The topics that only some runs have and this one does."""
         table = self.experiment.supervision

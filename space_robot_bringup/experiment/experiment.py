@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -17,20 +16,18 @@ from pydantic import (
     model_serializer,
     model_validator,
 )
-from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedSeq
-from ruamel.yaml.scalarstring import LiteralScalarString
 
 from space_robot_bringup.experiment.base import BASE, with_base
 from space_robot_bringup.experiment.controller import ControllerSpec, check_controller
 from space_robot_bringup.experiment.dotted_keys import LAW_KEY, set_key
 from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.plant import AnyPlant, ModelSpec, PlantSpec
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.experiment.recorded_reference import with_recorded_log
 from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
 from space_robot_description.frozen import plain
-from space_robot_description.share import is_file, shipped_or_file
+from space_robot_description.share import config_dir, is_file, shipped_or_file
 from space_robot_description.spec import PerJoint, Strict, Three, Title
 from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
 from space_robot_msgs_py.errors import SpecError
@@ -248,6 +245,12 @@ def experiment_path(name_or_path: StrPath) -> Path:
     return shipped_or_file(name_or_path, "experiments", key="experiment", message=message)
 
 
+def run_name(name_or_path: StrPath) -> str:
+    """What a run of an experiment is called: a shipped one by its full name, ``liu2023/fig08``, a file by its stem."""
+    path, shipped = experiment_path(name_or_path).resolve(), (config_dir() / "experiments").resolve()
+    return path.relative_to(shipped).with_suffix("").as_posix() if path.is_relative_to(shipped) else path.stem
+
+
 def file_schema() -> dict[str, Any]:
     """The JSON schema of experiment files, for editors.
 
@@ -270,27 +273,6 @@ def file_schema() -> dict[str, Any]:
 def to_yaml(experiment: Experiment) -> str:
     """The resolved experiment as YAML text with every default written out; equal experiments give equal text."""
     return dump_yaml(experiment.model_dump(mode="json"))
-
-
-def dump_yaml(data: Mapping[str, Any]) -> str:
-    """Plain data as YAML text for people: a number's list on one line, a text of many lines as a block."""
-    yaml = YAML(pure=True)
-    yaml.width = 120
-    out = StringIO()
-    yaml.dump(_readable(dict(data)), out)
-    return out.getvalue()
-
-
-def _readable(value: Any) -> Any:
-    """Texts of many lines (the URDF) as blocks, lists of numbers on one line."""
-    if isinstance(value, dict):
-        return {key: _readable(item) for key, item in value.items()}
-    if isinstance(value, list):
-        items = CommentedSeq(_readable(item) for item in value)
-        if not any(isinstance(item, dict) for item in value):
-            items.fa.set_flow_style()
-        return items
-    return LiteralScalarString(value) if isinstance(value, str) and "\n" in value else value
 
 
 def with_changes(experiment: Experiment, overrides: Overrides) -> Experiment:

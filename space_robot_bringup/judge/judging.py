@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from space_robot_bringup.experiment.expectations import AnyExpectation, bounds_of
 from space_robot_bringup.judge.assertions import Assertions
 from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.measure import Block, Measurement, tick_blocks
 from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.remarks import Remark, Remarks
 from space_robot_bringup.judge.signals import Rows
 from space_robot_bringup.judge.verdict import check_end, check_ticks, judge
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -22,7 +23,20 @@ if TYPE_CHECKING:
     from space_robot_bringup.compose.composition import Composition
 
 Lacking = Callable[[int], str]
-Judgement = tuple[RunMetrics | None, tuple[Check, ...]]
+
+
+class Judgement(NamedTuple):
+    """What a run is judged to be.
+
+    Attributes:
+        metrics: None where no tick was completed.
+        checks: the verdict, bound by bound.
+        remarks: what else happened, whatever was expected.
+    """
+
+    metrics: RunMetrics | None
+    checks: tuple[Check, ...]
+    remarks: tuple[Remark, ...] = ()
 
 
 def _nothing_known(tick: int) -> str:
@@ -49,6 +63,7 @@ class Judge:
             prismatic=nominal.prismatic,
             bands=experiment.settling_bands,
         )
+        self._remarks = Remarks(nominal, experiment.period, experiment.plant.delay_periods)
         self._pending: tuple[DiagnosticEvent, ...] = ()
         self._refusal: SpaceRobotError | ValueError | None = None
 
@@ -58,6 +73,7 @@ class Judge:
             stamps, plant, q_d, v_d = block
             try:
                 self._measurement.add(*block)
+                self._remarks.add(stamps, plant, v_d)
                 self._assertions.add(stamps, Rows(plant, q_d, v_d), events)
             except (SpaceRobotError, ValueError) as error:
                 self._refusal = error
@@ -71,7 +87,7 @@ class Judge:
             self._pending += block.diagnostics
 
     def verdict(self, reason: str, lacks: Lacking = _nothing_known) -> Judgement:
-        """Metrics and verdict of the run; no metrics where no tick was completed.
+        """Metrics, verdict and remarks of the run; no metrics where no tick was completed.
 
         Args:
             reason: of the end.
@@ -86,10 +102,11 @@ class Judge:
         experiment, stamps = self._experiment, self._measurement.stamps
         whole = check_ticks(stamps, experiment.steps, experiment.period, lacks)
         if not stamps.size:
-            return None, (check_end(reason), whole, *self._assertions.checks())
+            return Judgement(None, (check_end(reason), whole, *self._assertions.checks()))
         metrics = self._measurement.result()
         ended, *others = judge(metrics, bounds_of(self._expect), reason)
-        return metrics, (ended, whole, *others, *self._assertions.checks())
+        checks = (ended, whole, *others, *self._assertions.checks())
+        return Judgement(metrics, checks, self._remarks.found())
 
 
 def judge_ticks(ticks: Sequence[Tick], composition: Composition, reason: str) -> Judgement:

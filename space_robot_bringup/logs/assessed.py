@@ -9,9 +9,13 @@ from pathlib import Path
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
+from space_robot_bringup.judge.conclusion import conclusion
 from space_robot_bringup.judge.judging import Judge, Judgement
 from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.remarks import Remark
+from space_robot_bringup.logs.happened import MAX_EVENTS, Happened, Witness
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
+from space_robot_bringup.logs.spans import Spans
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent
 from space_robot_msgs_py.interfaces import NANOSECONDS
@@ -22,9 +26,6 @@ from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.thinning import Thinner
 from space_robot_msgs_py.paths import StrPath
-
-# A log may say of every tick that something was changed.
-MAX_EVENTS = 10_000
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -42,7 +43,9 @@ class JudgedLog:
         composition: None where the experiment cannot be composed here.
         metrics: of all ticks; None without a composition.
         checks: the verdict, bound by bound; empty without a composition.
+        remarks: what else happened, whatever was expected.
         events: what was changed in the run, in order; the first 10,000.
+        happened: what was changed and what happened, in order; the first 10,000.
         troubles: what is wrong with the log, a line each; empty for a whole one.
     """
 
@@ -56,8 +59,20 @@ class JudgedLog:
     composition: Composition | None
     metrics: RunMetrics | None
     checks: tuple[Check, ...]
+    remarks: tuple[Remark, ...]
     events: tuple[ControllerEvent, ...]
+    happened: tuple[Happened, ...]
     troubles: tuple[str, ...]
+
+    @property
+    def conclusion(self) -> str:
+        """``PASS``, ``FAIL``, or in words that nothing was expected; empty without a composition."""
+        return conclusion(self.checks) if self.checks else ""
+
+    @property
+    def spans(self) -> Spans:
+        """The modes and faults of the run over time."""
+        return Spans.of(self.happened, self.experiment, float(self.arrays.time[-1]))
 
 
 def read_judged(path: StrPath) -> JudgedLog:
@@ -81,7 +96,7 @@ def read_judged(path: StrPath) -> JudgedLog:
     end_reason = _end_reason(reader, troubles)
     if end_reason is None:
         troubles.append(f"the log was truncated: what is here ends at {arrays.time[-1]:g} s, and why is not known")
-    metrics, checks = reading.judged(end_reason or "cut", found)
+    judged = reading.judged(end_reason or "cut", found)
     return JudgedLog(
         path=reader.path,
         header=reader.header,
@@ -91,9 +106,11 @@ def read_judged(path: StrPath) -> JudgedLog:
         arrays=arrays,
         experiment=experiment,
         composition=composition,
-        metrics=metrics,
-        checks=checks,
+        metrics=judged.metrics,
+        checks=judged.checks,
+        remarks=judged.remarks,
         events=tuple(reading.events),
+        happened=tuple(reading.witness.events),
         troubles=(*troubles, *found),
     )
 
@@ -108,6 +125,7 @@ class _Reading:
     Attributes:
         thinner: has the ticks, as far as they are drawn.
         events: what was changed in the run.
+        witness: knows what happened.
         troubles: what is wrong with the log.
 
     Raises:
@@ -119,8 +137,9 @@ class _Reading:
         self.thinner = Thinner()
         self.events: list[ControllerEvent] = []
         self.troubles: list[str] = []
+        self.witness = Witness(self._rows(reader))
         self._unfit, first = 0, ""
-        for block in BlockStacker(reader.header.joint_names, str(reader.path)).blocks(self._rows(reader)):
+        for block in BlockStacker(reader.header.joint_names, str(reader.path)).blocks(self.witness.rows()):
             self.events += block.events[: MAX_EVENTS - len(self.events)]
             if block.unfit and not first:
                 stamp, error = block.unfit[0]
@@ -135,13 +154,13 @@ class _Reading:
     def judged(self, reason: str, troubles: list[str]) -> Judgement:
         """Metrics and verdict; why there is none is added to the troubles."""
         if self._judge is None:
-            return None, ()
+            return Judgement(None, ())
         try:
             return self._judge.verdict(reason)
         except (SpaceRobotError, ValueError) as error:
             # A log of another plant may lack the telemetry that metrics are made of.
             troubles.append(f"no verdict: {error}")
-            return None, ()
+            return Judgement(None, ())
 
     def _rows(self, reader: LogReader) -> Iterator[Row]:
         try:

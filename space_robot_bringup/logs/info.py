@@ -6,25 +6,31 @@ from array import array
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
+from space_robot_bringup.judge.conclusion import conclusion, passed
 from space_robot_bringup.judge.judging import judge_blocks
+from space_robot_bringup.judge.remarks import Remark
+from space_robot_bringup.logs.happened import SEVERITIES, Witness
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
+from space_robot_bringup.logs.spans import NO_SPANS, Spans
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.bounded_files import is_file
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.bag import Bag, Missing
+from space_robot_msgs_py.log.blocks import BlockStacker
 from space_robot_msgs_py.log.directory import custom_data
 from space_robot_msgs_py.log.mcap.salvage import Damage
 from space_robot_msgs_py.log.mcap.summary import Summary, SummaryTopic, read_summary
 from space_robot_msgs_py.log.preamble import END_NAME
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_supervisor.table import Severity
 
 # Larger bags are looked at by their index [bytes].
 LARGE = 64 << 20
@@ -59,20 +65,31 @@ class TopicInfo:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """How a run is judged from its log.
+    """How a run is judged from its log, and what happened in it.
 
     Attributes:
         checks: bound by bound; none where it cannot be judged.
         why_not: why it cannot be judged, or nothing.
+        remarks: what else happened, whatever was expected.
+        spans: its modes and faults.
+        events: how many there were of each severity, of those that there were, the gravest first.
     """
 
     checks: tuple[Check, ...] = ()
     why_not: str = ""
+    remarks: tuple[Remark, ...] = ()
+    spans: Spans = NO_SPANS
+    events: Mapping[Severity, int] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool | None:
-        """Every bound holds; None: it cannot be determined."""
-        return all(check.passed for check in self.checks) if self.checks else None
+        """See ``RunResult.passed``; None also where it cannot be determined."""
+        return passed(self.checks) if self.checks else None
+
+    @property
+    def conclusion(self) -> str:
+        """``PASS``, ``FAIL``, or in words that nothing was expected; empty where it cannot be determined."""
+        return conclusion(self.checks) if self.checks else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -230,5 +247,12 @@ def _words(experiment: Experiment) -> dict[str, str]:
 
 
 def _verdict(reader: LogReader, experiment: Experiment, reason: str | None) -> Verdict:
-    metrics, checks = judge_blocks(reader.event_blocks(), compose_logged(experiment), reason or "cut")
-    return Verdict(checks) if metrics is not None else Verdict(why_not="no complete tick")
+    witness = Witness(reader.rows())
+    blocks = BlockStacker(reader.header.joint_names, str(reader.path)).blocks(witness.rows())
+    found = judge_blocks(blocks, compose_logged(experiment), reason or "cut")
+    if found.metrics is None:
+        return Verdict(why_not="no complete tick")
+    counts = Counter(event.severity for event in witness.events)
+    events = {severity: counts[severity] for severity in reversed(SEVERITIES) if counts[severity]}
+    spans = Spans.of(witness.events, experiment, found.metrics.simulated_time)
+    return Verdict(found.checks, "", found.remarks, spans, events)

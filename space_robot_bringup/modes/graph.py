@@ -21,6 +21,7 @@ from space_robot_bringup.modes.signals import Interrupted
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_control.nodes.guidance import GuidanceNode
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.log.free_directory import free_directory
 from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.log.writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
@@ -113,7 +114,8 @@ def _writers(composition: Composition, directory: Path | RunDirectory, mode: str
     path = directory.path if isinstance(directory, RunDirectory) else directory
 
     def open_writer(index: int) -> LogWriter:
-        place = directory if index == 0 else path.with_name(f"{path.name}_reset{index}")
+        # Those of a run before that was moved or deleted may still be there.
+        place = directory if index == 0 else free_directory(path.with_name(f"{path.name}_reset{index}"))
         return LogWriter(place, composition.header, custom={"mode": mode})
 
     return open_writer

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import cast
 
@@ -16,6 +16,8 @@ from space_robot_msgs_py.interfaces import (
     Controller,
     ControlOutput,
     Plant,
+    PlantSample,
+    Reference,
     ReferenceSource,
     Sink,
     SupervisedController,
@@ -57,9 +59,18 @@ def run(
         The reason of the end: ``completed``, what ``stop`` said, or the error of plant, controller or log, by the names
         of the nodes they have in a graph.
     """
-    reason, at = "failed", _Position()
+    reason, at = "failed", Position()
     try:
-        reason = _loop(plant, controller, supervisor, reference, steps, sink, on_tick, stop, at)
+        course = ticks(
+            plant,
+            controller,
+            reference,
+            steps=steps,
+            supervisor=supervisor,
+            at=at,
+            unanswered=sink.record_unanswered,
+        )
+        reason = _recorded(course, steps, sink, on_tick, stop, at)
     except SpaceRobotError as error:
         reason = f"{'recorder' if isinstance(error, LogError) else at.role}: {error}"
         on_failure(error)
@@ -74,7 +85,7 @@ def run(
     return reason
 
 
-class _Position:
+class Position:
     """Whose turn it is, by the names of the nodes in a graph."""
 
     __slots__ = ("role",)
@@ -83,17 +94,28 @@ class _Position:
         self.role = "simulator"
 
 
-def _loop(
+def ticks(
     plant: Plant,
     controller: Controller,
-    supervisor: SupervisorUnit | None,
     reference: ReferenceSource,
+    *,
     steps: int,
-    sink: Sink,
-    on_tick: Callable[[int], None],
-    stop: Callable[[], str | None],
-    at: _Position,
-) -> str:
+    supervisor: SupervisorUnit | None = None,
+    at: Position | None = None,
+    unanswered: Callable[[PlantSample, Reference, Supervision | None], None] = lambda *_: None,
+) -> Iterator[Tick]:
+    """Ticks 0..steps of a run, each computed when it is asked for.
+
+    Args:
+        plant: the true robot.
+        controller: the law.
+        reference: the desired motion.
+        steps: number of control periods.
+        supervisor: see ``run``.
+        at: is kept up to date.
+        unanswered: called with a state to which the controller has no answer, before its error.
+    """
+    at = at or Position()
     controller.reset()
     if supervisor is not None:
         supervisor.reset()
@@ -101,9 +123,6 @@ def _loop(
     output: ControlOutput | None = None
     sample = plant.reset()
     for tick in range(steps + 1):
-        reason = stop()
-        if reason is not None:
-            return reason
         at.role = "guidance"
         target = reference.at(sample.state.stamp)
         if supervisor is not None:
@@ -114,14 +133,31 @@ def _loop(
         try:
             output = guarded_update(controller, sample.state, target, tick)
         except (SpaceRobotError, Interrupted):
-            sink.record_unanswered(sample, target, found)
+            unanswered(sample, target, found)
             raise
-        at.role = "recorder"
-        sink.record(Tick(sample, target, output, found))
-        on_tick(tick)
+        yield Tick(sample, target, output, found)
         at.role = "simulator"
         if tick < steps:
             sample = plant.step(output.command)
+
+
+def _recorded(
+    course: Iterator[Tick],
+    steps: int,
+    sink: Sink,
+    on_tick: Callable[[int], None],
+    stop: Callable[[], str | None],
+    at: Position,
+) -> str:
+    for tick in range(steps + 1):
+        reason = stop()
+        if reason is not None:
+            return reason
+        found = next(course)
+        at.role = "recorder"
+        sink.record(found)
+        on_tick(tick)
+        at.role = "simulator"
     return "completed"
 
 

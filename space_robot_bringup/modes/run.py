@@ -9,13 +9,16 @@ from typing import Literal, get_args
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
+from space_robot_bringup.judge.conclusion import conclusion, passed
 from space_robot_bringup.judge.judging import Judge
 from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.remarks import Remark
 from space_robot_bringup.judge.verdict import check_end
 from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks, Stopwatch
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.extras import install
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.run_directory import GONE, RunDirectory
 from space_robot_msgs_py.log.writer import LogSink
@@ -37,6 +40,7 @@ class RunResult:
         metrics: None where no tick was completed.
         checks: the verdict, bound by bound.
         wall_time: [s] from the first tick to the last; set-up is not counted.
+        remarks: what else happened, whatever was expected.
     """
 
     directory: Path
@@ -44,11 +48,17 @@ class RunResult:
     metrics: RunMetrics | None
     checks: tuple[Check, ...]
     wall_time: float
+    remarks: tuple[Remark, ...] = ()
 
     @property
-    def passed(self) -> bool:
-        """Every bound holds."""
-        return bool(self.checks) and all(check.passed for check in self.checks)
+    def passed(self) -> bool | None:
+        """Every bound holds, one at least of the task; None: they hold, but nothing was expected of the task."""
+        return passed(self.checks)
+
+    @property
+    def conclusion(self) -> str:
+        """``PASS``, ``FAIL``, or in words that nothing was expected."""
+        return conclusion(self.checks)
 
 
 def run_experiment(
@@ -135,8 +145,8 @@ def judge_log(directory: Path, composition: Composition, reason: str, wall_time:
         reason = "truncated" if logged is None else logged
     elif logged not in (None, "completed"):
         reason = str(logged)
-    metrics, checks = judging.verdict(reason, Lacks(reader, composition))
-    return RunResult(directory, reason, metrics, checks, wall_time)
+    judged = judging.verdict(reason, Lacks(reader, composition))
+    return RunResult(directory, reason, judged.metrics, judged.checks, wall_time, judged.remarks)
 
 
 class Lacks:
@@ -191,7 +201,7 @@ def _execute(
             f"needs ROS 2 Jazzy ({error})",
             key="--mode",
             value=mode,
-            accepted="headless, or install space-robot[ros], or source a Jazzy",
+            accepted=f"headless, or a sourced Jazzy, or {install('ros')}",
         ) from None
     start = run_graph if mode == "graph" else run_processes
     return start(composition, directory, realtime=realtime, hooks=hooks)

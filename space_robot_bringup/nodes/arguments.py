@@ -28,6 +28,7 @@ class Start(Strict):
 
     experiment: str = Field(default="liu2023/fig08", description="shipped name or YAML file")
     out: str = Field(default="run", description="run directory, the recorder writes to it")
+    overwrite: bool = Field(default=False, description="the recorder replaces a run that is in the run directory")
     set: tuple[str, ...] = Field(default=(), description="overrides key=value, the same at every node")
     record: bool = Field(default=True, description="a recorder takes part, and the simulator waits for it")
     realtime: NonNegativeFloat = Field(default=0.0, description="simulated seconds per second; 0: lock-step")
@@ -52,6 +53,7 @@ def parser() -> argparse.ArgumentParser:
     default = f"; default {fields['experiment'].default}"
     made.add_argument("--experiment", default=nothing, help=f"{fields['experiment'].description}{default}")
     made.add_argument("--out", default=nothing, help=fields["out"].description)
+    made.add_argument("--overwrite", action="store_true", default=nothing, help=fields["overwrite"].description)
     made.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="override one key; the same for every role"
     )

@@ -30,6 +30,7 @@ from space_robot_bringup.nodes.arguments import Start, parser, split_ros_argumen
 from space_robot_bringup.nodes.patience import Patience
 from space_robot_description.fields import parameter_rows
 from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.log.free_directory import checked_directory
 from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
@@ -87,6 +88,8 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
 
 def _node(options: Namespace, start: Start, composition: Composition, context: Context) -> GraphNode:
     role, out = options.role, Path(start.out)
+    if role == "recorder" and options.directory is None:
+        checked_directory(out, overwrite=start.overwrite, key="out")
     extra = {"recorded": start.record, "patience": start.patience or inf} if role == "simulator" else {}
     node = make_node(
         role,

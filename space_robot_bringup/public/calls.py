@@ -9,6 +9,7 @@ from functools import wraps
 from typing import ParamSpec, TypeVar
 
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.extras import install
 
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
@@ -51,7 +52,7 @@ def needing(what: str, extra: str) -> Iterator[None]:
     try:
         yield
     except ImportError as error:
-        raise SpecError(f"{what} needs more packages ({error})", accepted=f"install space-robot[{extra}]") from None
+        raise SpecError(f"{what} needs more packages ({error})", accepted=install(extra)) from None
 
 
 def _argument(option: re.Match[str]) -> str:

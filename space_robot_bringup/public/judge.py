@@ -42,7 +42,7 @@ def judge(log: StrPath, expect: Mapping[str, Any] | None = None) -> tuple[Check,
     wanted = composition.experiment.expect if expect is None else parse_expect(expect)
     check_expect(wanted, composition)
     reason = reader.end_reason or "truncated"
-    return judge_blocks(reader.event_blocks(), composition, reason, expect=wanted)[1]
+    return judge_blocks(reader.event_blocks(), composition, reason, expect=wanted).checks
 
 
 def parse_expect(expect: Mapping[str, Any]) -> Mapping[str, AnyExpectation]:

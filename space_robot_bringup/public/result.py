@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.remarks import Remark
 from space_robot_bringup.modes.run import RunResult
 from space_robot_bringup.public.arrays import RunArrays, run_arrays
 from space_robot_bringup.public.calls import needing
@@ -49,9 +50,22 @@ class Run:
         return self.result.end_reason
 
     @property
-    def passed(self) -> bool:
-        """Every bound of the verdict holds."""
+    def passed(self) -> bool | None:
+        """Every bound of the verdict holds, one at least of the task.
+
+        None, which is not true either: all that was expected holds, but nothing was expected of the task.
+        """
         return self.result.passed
+
+    @property
+    def conclusion(self) -> str:
+        """The verdict in words: ``PASS``, ``FAIL``, or that the run completed and nothing was expected."""
+        return self.result.conclusion
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What else happened, whatever was expected: limits exceeded, wheels full, commands missed, tumbling."""
+        return self.result.remarks
 
     @property
     def verdict(self) -> tuple[Check, ...]:
@@ -133,7 +147,6 @@ class Run:
         return str(self.directory)
 
     def __repr__(self) -> str:
-        word = "PASS" if self.passed else "FAIL"
         ticks = self.metrics.ticks if self.metrics else 0
         title = self.experiment.title or self.experiment.controller.law
-        return f"<Run {title!r}: {word} ({self.reason}), {ticks} ticks, {self.directory}>"
+        return f"<Run {title!r}: {self.conclusion} ({self.reason}), {ticks} ticks, {self.directory}>"

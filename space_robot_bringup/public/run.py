@@ -14,6 +14,7 @@ from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_bringup.public.calls import for_python
 from space_robot_bringup.public.result import Run
 from space_robot_msgs_py.errors import SpaceRobotWarning
+from space_robot_msgs_py.log.free_directory import checked_directory
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.paths import StrPath
 
@@ -25,6 +26,7 @@ def run(
     *,
     mode: Mode = "headless",
     out: StrPath | None = None,
+    overwrite: bool = False,
     duration: float | None = None,
     realtime: float | None = None,
     hooks: Hooks | None = None,
@@ -37,8 +39,8 @@ def run(
         experiment: a shipped name such as ``liu2023/fig08``, the path of a YAML file, or a loaded experiment.
         overrides: ``{"controller.gains.lambda": 0.7}``, or ``["controller.gains.lambda=0.7"]`` with values in YAML.
         mode: ``headless`` (one loop), ``graph`` (ROS 2 nodes in this process) or ``processes`` (one process per node).
-        out: run directory; a run that is in it is replaced. None: a temporary one, which exists as long as the ``log``
-            of the result.
+        out: run directory. None: a temporary one, which exists as long as the ``log`` of the result.
+        overwrite: a run that is in the run directory is replaced.
         duration: run this long instead [s].
         realtime: simulated seconds per second, in ``graph`` and ``processes``; None: as fast as possible.
         hooks: progress and early end.
@@ -47,13 +49,15 @@ def run(
         The run. One that ends early, or misses its verdict, is a result and not an exception: see ``Run.reason``.
 
     Raises:
-        SpaceRobotError: the experiment or an argument cannot be used, or the log cannot be written; nothing was run.
+        SpaceRobotError: the experiment or an argument cannot be used, a run is in ``out`` already, or the log cannot be
+            written; nothing was run.
 
     Warns:
         SpaceRobotWarning: the run lies outside the bounds of its law.
     """
     spec = _experiment(experiment, overrides or (), duration)
-    place = Path(mkdtemp(prefix="space-robot-") if out is None else out).absolute()
+    given = None if out is None else checked_directory(Path(out), overwrite=overwrite, key="out")
+    place = (Path(mkdtemp(prefix="space-robot-")) if given is None else given).absolute()
     said: list[str] = []
     try:
         result = run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks or Hooks(warn=said.append))

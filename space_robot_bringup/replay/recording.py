@@ -184,8 +184,20 @@ def changed(data: Mapping[str, Any], overrides: Overrides, where: str) -> dict[s
 
 
 def flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Values by dotted key; lists are values."""
+    """Values by dotted key; lists are values, but for those of mappings, whose items go by name, or by index."""
     found: dict[str, Any] = {}
     for key, value in data.items():
-        found |= flat(value, f"{prefix}{key}.") if isinstance(value, Mapping) and value else {f"{prefix}{key}": value}
+        inner = _named(value)
+        found |= flat(inner, f"{prefix}{key}.") if inner else {f"{prefix}{key}": value}
     return found
+
+
+def _named(value: Any) -> Mapping[str, Any]:
+    """A mapping, or a list of mappings as one; nothing where it is neither."""
+    if isinstance(value, Mapping):
+        return value
+    if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
+        return {}
+    names = [item.get("name") for item in value]
+    named = all(isinstance(name, str) and name for name in names) and len(set(names)) == len(names)
+    return {str(names[index] if named else index): item for index, item in enumerate(value)}

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from space_robot_cli.render.run import STYLES, missed
 from space_robot_cli.terminal import markup
 from space_robot_studies.campaign.campaign import TABLE, CampaignResult, describe
 from space_robot_studies.campaign.directory import CAMPAIGN
@@ -25,14 +27,13 @@ def as_dict(title: str, result: CampaignResult) -> dict[str, Any]:
         "directory": str(result.directory),
         "end_reason": result.end_reason,
         "passed": result.passed,
+        "verdict": result.conclusion,
         "done": result.done,
         "total": result.total,
         "lost": result.lost,
         "wall_time": result.wall_time,
         "groups": [group.to_dict() for group in result.groups],
-        "checks": [
-            {"name": c.name, "measured": c.measured, "wanted": c.wanted, "passed": c.passed} for c in result.checks
-        ],
+        "checks": [asdict(check) for check in result.checks],
     }
 
 
@@ -42,14 +43,12 @@ def campaign(console: Console, title: str, result: CampaignResult) -> None:
         console.print(_spreads(group))
         for line in _lines(group, result):
             console.print(line, markup=False, soft_wrap=True)
-    for check in result.checks:
-        if not check.passed:
-            console.print(f"failed: {check.name} = {check.measured}, wanted {check.wanted}", style="red", markup=False)
-    word = "PASS" if result.passed else "FAIL"
+    missed(console, result.checks, ())
+    ended = "" if result.passed is None else f" ({result.end_reason})"
     console.print(
-        f"{word} ({result.end_reason}): {title or 'campaign'}, {result.done} of {result.total} runs, "
+        f"{result.conclusion}{ended}: {title or 'campaign'}, {result.done} of {result.total} runs, "
         f"{result.wall_time:.1f} s",
-        style="green" if result.passed else "red",
+        style=STYLES[result.passed],
         markup=False,
         soft_wrap=True,
     )
@@ -77,10 +76,14 @@ def _spreads(group: Group) -> Table:
 
 
 def _lines(group: Group, result: CampaignResult) -> Iterator[str]:
-    yield f"passed: {_rate(group.success)}"
+    yield f"kept every bound: {_rate(group.success)}"
+    if group.undecided:
+        yield f"  nothing was expected of {'any' if group.undecided == group.success.n else group.undecided} of them"
     yield f"completed: {_rate(group.completed)}"
     for reason, count in group.reasons.items():
         yield f"  {count} x {reason}"
+    for remark, count in group.remarks.items():
+        yield f"remark: {count} x {remark}"
     shown, rest = group.failed[:SHOWN_CASES], len(group.failed) - SHOWN_CASES
     for index in shown:
         bag = bag_path(result.directory, index)

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from space_robot_bringup.logs.info import BagInfo, TopicInfo
+from space_robot_cli.render.run import STYLES, missed
 from space_robot_cli.terminal import markup
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.mcap.salvage import Damage
@@ -31,14 +32,16 @@ def print_info(console: Console, info: BagInfo) -> None:
         _say(console, "by its index: gaps and damage were not looked for, --full does", "yellow")
     if info.provenance:
         _say(console, f"ended: {info.end_reason or 'the log was truncated'}")
-    for check in info.verdict.checks:
-        if not check.passed:
-            _say(console, check.line, "red" if check.judged else "yellow")
-    if info.verdict.passed is None:
-        _say(console, f"no verdict: {info.verdict.why_not}")
+    if info.verdict.events:
+        counts = ", ".join(f"{count} {severity}" for severity, count in info.verdict.events.items())
+        _say(console, f"events: {counts}; each with: space-robot events {info.path}")
+    for line in info.verdict.spans.said:
+        _say(console, line)
+    missed(console, info.verdict.checks, info.verdict.remarks)
+    if info.verdict.conclusion:
+        _say(console, f"verdict: {info.verdict.conclusion}", STYLES[info.verdict.passed])
     else:
-        word, style = ("PASS", "bold green") if info.verdict.passed else ("FAIL", "bold red")
-        _say(console, f"verdict: {word}", style)
+        _say(console, f"no verdict: {info.verdict.why_not}")
 
 
 def _topics(info: BagInfo) -> Table:
@@ -84,6 +87,11 @@ def info_dict(info: BagInfo) -> dict[str, Any]:
         "missing": dict(info.missing),
         "by_index": info.by_index,
         "passed": info.verdict.passed,
+        "verdict": info.verdict.conclusion or None,
+        "remarks": [asdict(remark) for remark in info.verdict.remarks],
+        "modes": [asdict(span) for span in info.verdict.spans.modes],
+        "faults": [asdict(span) for span in info.verdict.spans.faults],
+        "events": dict(info.verdict.events),
         "why_not": info.verdict.why_not,
         "checks": [asdict(check) for check in info.verdict.checks],
     }

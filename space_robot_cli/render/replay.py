@@ -14,6 +14,7 @@ from space_robot_bringup.replay.publish import Answers
 from space_robot_bringup.replay.replay import Replayed
 from space_robot_bringup.replay.result import Outcome
 from space_robot_cli.terminal import markup
+from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
 
@@ -24,7 +25,7 @@ def print_replayed(console: Console, done: Replayed) -> None:
     name = f"{experiment.controller.law} on {recording.composition.nominal.name}, seed {experiment.seed}; ended: {end}"
     _say(console, f"{recording.path}: {name}")
     for key, (was, now) in recording.changes.items():
-        _say(console, f"  changed: {key} was {was}, is {now}")
+        _say(console, f"  changed: {key} was {short(str(was))}, is {short(str(now))}")
     for package, (was, now) in recording.versions.items():
         _say(console, f"  recorded with {package} {was}, here {now}")
     for remark in recording.remarks:
@@ -43,7 +44,7 @@ def _side(console: Console, outcome: Outcome) -> None:
     if outcome.absent:
         _say(console, f"  not in the log, so not compared: {', '.join(outcome.absent)}")
     if outcome.first is not None:
-        _say(console, f"  first: {_in_words(outcome.first)}")
+        _say(console, f"  first: {in_words(outcome.first)}")
         console.print(_worst(outcome.comparison))
 
 
@@ -59,11 +60,12 @@ def print_answers(console: Console, answers: Answers, reason: str) -> None:
     word, style = ("DIFFERENT", "bold red") if answers.different else ("EQUAL", "bold green")
     _say(console, f"answers: {word}, {sum(comparison.compared.values())} messages", style)
     if comparison.first is not None:
-        _say(console, f"  first: {_in_words(comparison.first)}")
+        _say(console, f"  first: {in_words(comparison.first)}")
         console.print(_worst(comparison))
 
 
-def _in_words(found: Divergence) -> str:
+def in_words(found: Divergence) -> str:
+    """Where two numbers differ, and which they are."""
     when = f"{found.stamp / NANOSECONDS:g} s ({found.stamp} ns)"
     return f"{found.topic} at {when}, {found.field}: recorded {_text(found.recorded)}, fresh {_text(found.fresh)}"
 

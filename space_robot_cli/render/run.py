@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
@@ -10,10 +11,15 @@ from rich.console import Console
 from rich.table import Table
 
 from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.remarks import Remark
 from space_robot_bringup.modes.run import RunResult
 from space_robot_cli.terminal import markup
 from space_robot_description.report import RobotReport
+
+# Of a verdict, by whether the run passed; None: nothing was expected.
+STYLES: Mapping[bool | None, str] = {True: "bold green", False: "bold red", None: "bold yellow"}
 
 
 def as_dict(experiment: Experiment, mode: str, result: RunResult) -> dict[str, Any]:
@@ -26,14 +32,14 @@ def as_dict(experiment: Experiment, mode: str, result: RunResult) -> dict[str, A
         "directory": str(result.directory),
         "end_reason": result.end_reason,
         "passed": result.passed,
+        "verdict": result.conclusion,
+        "remarks": [asdict(remark) for remark in result.remarks],
         "wall_time": result.wall_time,
         "real_time_factor": simulated / result.wall_time if result.wall_time else None,
         "ticks": metrics.ticks if metrics else 0,
         "simulated_time": simulated,
         "metrics": metrics.flat() if metrics else {},
-        "checks": [
-            {"name": c.name, "measured": c.measured, "wanted": c.wanted, "passed": c.passed} for c in result.checks
-        ],
+        "checks": [asdict(check) for check in result.checks],
     }
 
 
@@ -42,13 +48,19 @@ def verdict(console: Console, experiment: Experiment, mode: str, result: RunResu
     if result.metrics is not None:
         console.print(_axes(experiment, result.metrics))
         console.print(_totals(mode, result, result.metrics))
-    for check in result.checks:
-        if not check.passed:
-            style = "red" if check.judged else "yellow"
-            console.print(check.line, style=style, markup=False, soft_wrap=True)
+    missed(console, result.checks, result.remarks)
     console.print(f"log: {result.directory}", markup=False, soft_wrap=True)
-    word, style = ("PASS", "bold green") if result.passed else ("FAIL", "bold red")
-    console.print(f"{word} ({result.end_reason})", style=style, markup=False, soft_wrap=True)
+    ended = "" if result.passed is None else f" ({result.end_reason})"
+    console.print(f"{result.conclusion}{ended}", style=STYLES[result.passed], markup=False, soft_wrap=True)
+
+
+def missed(console: Console, checks: Iterable[Check], remarks: Iterable[Remark]) -> None:
+    """Print each check that does not hold or is not judged, and what else happened."""
+    for check in checks:
+        if not check.passed:
+            console.print(check.line, style="red" if check.judged else "yellow", markup=False, soft_wrap=True)
+    for remark in remarks:
+        console.print(f"remark: {remark.line}", style="yellow", markup=False, soft_wrap=True)
 
 
 def _axes(experiment: Experiment, metrics: RunMetrics) -> Table:
@@ -112,6 +124,8 @@ def robot(console: Console, report: RobotReport) -> None:
         values = (row.lower, row.upper, row.home, row.effort, row.lag, row.viscous, row.coulomb)
         joints.add_row(markup(row.name), *(f"{value:.4g}" for value in values))
     console.print(joints)
+    for note in report.notes:
+        console.print(note, markup=False, soft_wrap=True)
 
 
 def _robot_totals(report: RobotReport) -> dict[str, str]:

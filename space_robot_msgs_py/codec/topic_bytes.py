@@ -124,7 +124,7 @@ class TickCodec:
         _check_stamp(SUPERVISOR_MODE, stamp, found.stamp)
         summary = parts.get(HOUSEKEEPING.name)
         housekeeping = None if summary is None else _telemetry(self.housekeeping, parts, stamp)
-        return replace(found, events=_statuses(EVENTS, parts, stamp), housekeeping=housekeeping)
+        return replace(found, events=statuses_of(EVENTS, parts, stamp), housekeeping=housekeeping)
 
     def encode_unanswered(
         self, sample: PlantSample, reference: Reference, supervision: Supervision | None = None
@@ -159,7 +159,7 @@ class TickCodec:
             PlantSample(
                 state,
                 _telemetry(self.plant_telemetry, parts, state.stamp),
-                *(_statuses(topic, parts, state.stamp) for topic in (FAULTS, PLANT_EVENTS)),
+                *(statuses_of(topic, parts, state.stamp) for topic in (FAULTS, PLANT_EVENTS)),
             ),
             reference,
             ControlOutput(
@@ -274,7 +274,7 @@ def diagnostics_of(parts: Mapping[str, bytes], stamp: int) -> tuple[DiagnosticEv
     Raises:
         LayoutError: a message is unreadable, or of another stamp.
     """
-    return tuple(event for topic in DIAGNOSTICS for event in _statuses(topic, parts, stamp))
+    return tuple(event for topic in DIAGNOSTICS for event in statuses_of(topic, parts, stamp))
 
 
 def plant_events(sample: PlantSample) -> list[tuple[Topic, tuple[DiagnosticEvent, ...]]]:
@@ -282,7 +282,8 @@ def plant_events(sample: PlantSample) -> list[tuple[Topic, tuple[DiagnosticEvent
     return [(topic, events) for topic, events in ((FAULTS, sample.faults), (PLANT_EVENTS, sample.events)) if events]
 
 
-def _statuses(topic: Topic, parts: Mapping[str, bytes], stamp: int) -> tuple[DiagnosticEvent, ...]:
+def statuses_of(topic: Topic, parts: Mapping[str, bytes], stamp: int) -> tuple[DiagnosticEvent, ...]:
+    """The events of a tick on one topic of ``DIAGNOSTICS``; see ``diagnostics_of``."""
     raw = parts.get(topic.name)
     events = () if raw is None else decode_statuses(raw)
     if events:

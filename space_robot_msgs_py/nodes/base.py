@@ -27,6 +27,7 @@ from space_robot_msgs_py.run_messages import RunBegin, RunEnd, decode_begin, dec
 from space_robot_msgs_py.topics import RUN_BEGIN, RUN_END, Topic
 
 FLUSH_SECONDS = 0.1
+MAX_EARLY_ENDS = 8
 # Characters of an error that become the reason of an end: with all else fewer than REASON_BYTES in any alphabet.
 MAX_REASON = 16_000
 
@@ -76,6 +77,7 @@ class GraphNode(Node):  # type: ignore[misc]
         self.failure: Exception | None = None
         self.runs: dict[str, int] = {}
         self.refusals: Counter[str] = Counter()
+        self._early_ends: dict[str, RunEnd] = {}
         self._end_publisher = self.publisher(RUN_END)
         self.listen(RUN_BEGIN, self._on_run_begin)
         self.listen(RUN_END, self._on_run_end)
@@ -202,6 +204,9 @@ class GraphNode(Node):  # type: ignore[misc]
         self.runs[begin.run] = begin.number
         if number is not None or (others and self.begun):
             self.begin_again()
+        early = self._early_ends.pop(begin.run, None)
+        if early is not None and self.end_reason is None:
+            self._hear_end(early.reason)
 
     def _on_run_begin(self, raw: bytes) -> None:
         try:
@@ -218,9 +223,18 @@ class GraphNode(Node):  # type: ignore[misc]
             self.refuse(RUN_END, error)
             return
         if end.run not in self.runs and (end.run or self.begun):
-            self.refuse(RUN_END, f"{end.node} ends the run {end.run or 'without a name'}, which is not this one")
+            self._keep(end)
+            self.refuse(
+                RUN_END, f"{end.node} ends the run {end.run or 'without a name'}, which this node does not know"
+            )
         elif self.end_reason is None:
             self._hear_end(end.reason)
+
+    def _keep(self, end: RunEnd) -> None:
+        """Topics have no order among each other: of a short run the end may come before the begin that names it."""
+        if len(self._early_ends) >= MAX_EARLY_ENDS:
+            del self._early_ends[next(iter(self._early_ends))]
+        self._early_ends[end.run] = end
 
     def _hear_end(self, reason: str) -> None:
         self.end_reason = reason

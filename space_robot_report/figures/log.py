@@ -1,4 +1,4 @@
-"""One picture of a log: attitude and joints, desired and measured, and the torques."""
+"""One picture of a log: attitude and joints, desired and measured, the torques, modes as bands and faults as spans."""
 
 from __future__ import annotations
 
@@ -9,15 +9,23 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.logs.happened import Witness
+from space_robot_bringup.logs.logged import logged_experiment
+from space_robot_bringup.logs.spans import Spans
 from space_robot_description.rotations import to_rpy
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.escapes import mathtext
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.log.blocks import BlockStacker
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.thinning import thinned
 from space_robot_report.figures.settings import own_settings
+from space_robot_report.palette import FAULT, mode_colors
 
 AXES = ("roll", "pitch", "yaw")
+# Height of the panel of modes and faults, over that of the others, and rows in which names of faults take turns.
+BAND, ROWS = 0.35, 3
 LOOK: dict[str, Any] = {"figsize": (8.0, 10.0), "layout": "constrained"}
 
 
@@ -61,10 +69,18 @@ def figure_of(log: LogReader) -> Figure:
 
 
 def _draw(figure: Figure, log: LogReader) -> None:
-    arrays, joints = thinned(log.blocks()), [mathtext(name) for name in log.header.joint_names]
+    witness, joints = Witness(log.rows()), [mathtext(name) for name in log.header.joint_names]
+    blocks = BlockStacker(log.header.joint_names, str(log.path)).blocks(witness.rows())
+    arrays = thinned(block.arrays for block in blocks if block.arrays is not None)
     if arrays is None or arrays.time.size < 2:
         raise LogError("nothing to draw: fewer than two complete ticks", key=str(log.path))
-    panels = figure.subplots(4, 1, sharex=True)
+    spans = Spans.of(witness.events, _experiment(log), float(arrays.time[-1]))
+    bands = bool(spans.modes or spans.faults)
+    heights = [BAND, 1.0, 1.0, 1.0, 1.0][0 if bands else 1 :]
+    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    if bands:
+        _spans(panels, spans)
+        panels = panels[1:]
     # A plant of another tool may not publish the truth: then it is what was measured.
     truth = arrays.plant.get("true_configuration", arrays.q)
     _followed(panels[0], arrays.time, _attitude(truth), _attitude(arrays.q_d), AXES, "base attitude [deg]")
@@ -72,6 +88,31 @@ def _draw(figure: Figure, log: LogReader) -> None:
     _held(panels[2], arrays.time, arrays.wrench[:, 3:], [f"about {axis}" for axis in "xyz"], "base torque [N m]")
     _held(panels[3], arrays.time, arrays.effort_command, joints, "joint effort [N m]")
     panels[3].set_xlabel("time [s]")
+
+
+def _experiment(log: LogReader) -> Experiment | None:
+    try:
+        return logged_experiment(log.header.experiment)
+    except SpaceRobotError:
+        return None
+
+
+def _spans(panels: Sequence[Any], spans: Spans) -> None:
+    """A panel of modes and faults over time; faults are shaded in all others, too."""
+    colors = mode_colors(span.name for span in spans.modes)
+    for span in spans.modes:
+        panels[0].broken_barh([(span.begin, span.end - span.begin)], (0, 1), color=colors[span.name], label="_")
+    for name, color in colors.items():
+        panels[0].broken_barh([], (0, 1), color=color, label=mathtext(name))
+    for index, span in enumerate(spans.faults):
+        row = -1.0 - index % ROWS
+        panels[0].broken_barh([(span.begin, span.end - span.begin)], (row, 0.9), color=FAULT, alpha=0.25)
+        panels[0].annotate(mathtext(span.name), (span.begin, row + 0.4), fontsize="x-small", va="center")
+        for panel in panels[1:]:
+            panel.axvspan(span.begin, span.end, color=FAULT, alpha=0.12, linewidth=0.0)
+    _dress(panels[0], "mode" if not spans.faults else "mode, faults" if spans.modes else "faults")
+    panels[0].set_yticks([])
+    panels[0].set_ylim(-min(ROWS, len(spans.faults)), 1.0 if spans.modes else 0.1)
 
 
 def _attitude(q: Vector) -> Vector:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from space_robot_bringup.judge.conclusion import conclusion, passed
 from space_robot_bringup.judge.verdict import PLANT_BOUNDS
 from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import LogError
@@ -70,16 +71,18 @@ def campaign_page(campaign: Campaign, rows: Sequence[Columns], versions: Mapping
         "source": campaign.source,
         "done": len(rows),
         "total": campaign.cases,
-        "passed": all(check.passed for check in checks),
+        "conclusion": conclusion(checks),
+        "passed": passed(checks),
         "checks": checks,
         "groups": [_group(group) for group in groups],
         "figures": [book.add_raw(figure, title) for title, figure in spread_figures(named).items()],
         "worst": _worst(groups, directory),
         "failures": _failures(rows, directory),
-        "failed": sum(not row["passed"] for row in rows),
+        "failed": sum(row["passed"] is False for row in rows),
         "dispersed": {key: draw.model_dump(exclude_none=True) for key, draw in campaign.disperse.items()},
         "versions": versions,
         "marks": embedded([]),
+        "bands": embedded([]),
         "campaign": {"seed": campaign.seed, "runs per point": campaign.runs, "points": campaign.points},
     }
     return interactive_page(TEMPLATE, book, content)
@@ -98,6 +101,8 @@ def _group(group: Group) -> dict[str, Any]:
     return {
         "name": describe(group.labels),
         "success": group.success,
+        "undecided": group.undecided,
+        "remarks": group.remarks,
         "completed": group.completed,
         "reasons": group.reasons,
         "spreads": group.spreads,
@@ -117,7 +122,7 @@ def _worst(groups: Sequence[Group], directory: Path) -> list[dict[str, Any]]:
 
 
 def _failures(rows: Sequence[Columns], directory: Path) -> list[dict[str, Any]]:
-    failed = [row for row in rows if not row["passed"]][:MAX_LISTED]
+    failed = [row for row in rows if row["passed"] is False][:MAX_LISTED]
     return [
         {
             "index": row["index"],

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from space_robot_bringup.judge.conclusion import passed
 from space_robot_bringup.logs.assessed import JudgedLog, read_judged
+from space_robot_bringup.logs.spans import Spans
 from space_robot_description.visual import look_of
 from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -17,9 +18,12 @@ from space_robot_report.pages.interactive import PlotBook, embedded, interactive
 from space_robot_report.pages.log_plots import conservation_plots, effort_plots, motion_plots, telemetry_plots
 from space_robot_report.pages.paper_section import paper_figures
 from space_robot_report.pages.scene import scene
+from space_robot_report.palette import FAULT, mode_colors
 from space_robot_report.playback import WITHOUT
 
 TEMPLATE = "log.html.j2"
+# Of events in the table; the rest is in the log.
+MAX_LISTED = 500
 
 
 def write_log_report(log: Path, out: Path, meshes: Sequence[Path] = ()) -> JudgedLog:
@@ -46,6 +50,8 @@ def log_page(judged: JudgedLog, meshes: Sequence[Path] = ()) -> str:
     """The page of a log as HTML."""
     book, troubles = PlotBook(), list(judged.troubles)
     played, tool = _played(judged, troubles, meshes)
+    spans = judged.spans
+    colors = mode_colors(span.name for span in spans.modes)
     content = {
         "title": _title(judged),
         "source": judged.experiment.source if judged.experiment else "",
@@ -57,8 +63,12 @@ def log_page(judged: JudgedLog, meshes: Sequence[Path] = ()) -> str:
         "figures": _figures(judged, book, troubles),
         "sections": _sections(judged, book),
         "provenance": _provenance(judged),
-        "events": _events(judged),
+        "events": judged.happened[:MAX_LISTED],
+        "left_out": max(0, len(judged.happened) - MAX_LISTED),
+        "spans": spans,
+        "colors": colors,
         "marks": embedded([event.stamp / NANOSECONDS for event in judged.events]),
+        "bands": embedded(_bands(spans, colors)),
         "experiment": judged.header.experiment,
         "troubles": troubles,
         "playback_script": script("playback.js"),
@@ -82,7 +92,7 @@ def _summary(judged: JudgedLog) -> str:
 
 def _verdict(judged: JudgedLog) -> dict[str, Any]:
     checks = judged.checks
-    return {"known": bool(checks), "passed": all(check.passed for check in checks), "checks": checks}
+    return {"conclusion": judged.conclusion, "passed": passed(checks), "checks": checks, "remarks": judged.remarks}
 
 
 def _played(judged: JudgedLog, troubles: list[str], meshes: Sequence[Path]) -> tuple[dict[str, Any] | None, str]:
@@ -121,12 +131,10 @@ def _figures(judged: JudgedLog, book: PlotBook, troubles: list[str]) -> list[dic
     ]
 
 
-def _events(judged: JudgedLog) -> list[dict[str, Any]]:
-    """What was changed during the run, for people."""
-    return [
-        {"time": event.stamp / NANOSECONDS, "kind": event.kind, "content": json.dumps(dict(event.content), indent=1)}
-        for event in judged.events
-    ]
+def _bands(spans: Spans, colors: Mapping[str, str]) -> list[dict[str, Any]]:
+    """What is shaded in every plot: faults over its whole height, modes as a strip above it."""
+    modes = [{"begin": span.begin, "end": span.end, "color": colors[span.name], "fault": False} for span in spans.modes]
+    return modes + [{"begin": one.begin, "end": one.end, "color": FAULT, "fault": True} for one in spans.faults]
 
 
 def _sections(judged: JudgedLog, book: PlotBook) -> list[dict[str, Any]]:

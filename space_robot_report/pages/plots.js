@@ -4,8 +4,12 @@ const PLOTS = JSON.parse(document.getElementById("plots").textContent);
 const MARKS = JSON.parse(document.getElementById("marks").textContent).map((time) => ({
   type: "line", x0: time, x1: time, yref: "paper", y0: 0, y1: 1, line: {color: "#5b6670", width: 1, dash: "dot"},
 }));
+const BANDS = JSON.parse(document.getElementById("bands").textContent).map(({begin, end, color, fault}) => ({
+  type: "rect", x0: begin, x1: end, yref: "paper", layer: "below", line: {width: 0}, fillcolor: color,
+  ...(fault ? {y0: 0, y1: 1, opacity: 0.12} : {y0: 1.01, y1: 1.04}),
+}));
 const LAYOUT = {
-  height: 270, margin: {l: 60, r: 12, t: 10, b: 40}, hovermode: "x unified", paper_bgcolor: "#fff", plot_bgcolor: "#fff",
+  height: 270, margin: {l: 60, r: 12, t: 14, b: 40}, hovermode: "x unified", paper_bgcolor: "#fff", plot_bgcolor: "#fff",
   font: {size: 12, color: "#1d2329", family: "system-ui, sans-serif"}, legend: {font: {size: 11}},
 };
 const AXIS = {gridcolor: "#dfe3e7", zerolinecolor: "#b9c2ca", linecolor: "#b9c2ca", exponentformat: "power", automargin: true};
@@ -14,7 +18,7 @@ const drawn = [];
 function draw(place) {
   const figure = PLOTS[Number(place.dataset.plot)];
   const layout = {
-    ...LAYOUT, ...figure.layout, shapes: [...MARKS, ...(figure.layout.shapes || [])],
+    ...LAYOUT, ...figure.layout, shapes: [...BANDS, ...MARKS, ...(figure.layout.shapes || [])],
     xaxis: {...AXIS, title: {text: "time [s]"}, ...figure.layout.xaxis}, yaxis: {...AXIS, ...figure.layout.yaxis},
   };
   Plotly.newPlot(place, figure.data, layout, {responsive: true, displaylogo: false}).then(() => {

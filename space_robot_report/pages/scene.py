@@ -34,7 +34,7 @@ def scene(look: Look, arrays: LogArrays, tool: str) -> dict[str, Any]:
     """
     film = Footage.of(arrays)
     frames = np.unique(np.linspace(0, film.time.size - 1, MAX_FRAMES).astype(int))
-    link = tool if look.model.existFrame(tool) else look.tool
+    link = tool if look.model.existFrame(tool, pin.FrameType.BODY) else look.tool
     return {
         "parts": _parts(look),
         "bodies": look.model.njoints - 1,

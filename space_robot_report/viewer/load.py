@@ -10,7 +10,7 @@ from space_robot_description.visual import look_of
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.escapes import html, visible
 from space_robot_report.playback import WITHOUT, Footage
-from space_robot_report.viewer.serve import Show
+from space_robot_report.viewer.show import Show
 
 
 def load_show(log: Path, meshes: Sequence[Path] = ()) -> tuple[Show, tuple[str, ...]]:
@@ -34,7 +34,8 @@ def load_show(log: Path, meshes: Sequence[Path] = ()) -> tuple[Show, tuple[str, 
         raise LogError("the robot in it has other joints than its states", key=str(log))
     tool = (judged.composition.nominal.tool_frame if judged.composition else "") or look.tool
     missing = tuple(f"drawn without {uri}: {WITHOUT}" for uri in look.missing)
-    show = Show(look, Footage.of(judged.arrays), tool, _title(judged), _about(judged))
+    film = Footage.of(judged.arrays)
+    show = Show(look, film, tool, _title(judged), _about(judged), judged.spans, judged.happened)
     return show, (*judged.troubles, *missing)
 
 
@@ -47,7 +48,6 @@ def _about(judged: JudgedLog) -> str:
     experiment = judged.experiment
     law = f"Law <code>{html(experiment.controller.law)}</code>. " if experiment else ""
     title = f"<p><b>{html(experiment.title)}</b></p>" if experiment and experiment.title else ""
-    verdict = ""
-    if judged.checks:
-        verdict = "PASS. " if all(check.passed for check in judged.checks) else "FAIL. "
-    return f"{title}<p>{law}{verdict}Ended: {html(judged.end_reason or 'cut')}.</p>"
+    verdict = f"{html(judged.conclusion[:1].upper() + judged.conclusion[1:])}. " if judged.checks else ""
+    remarks = "".join(f"<p>{html(remark.line)}</p>" for remark in judged.remarks)
+    return f"{title}<p>{law}{verdict}Ended: {html(judged.end_reason or 'cut')}.</p>{remarks}"

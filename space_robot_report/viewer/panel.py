@@ -7,7 +7,9 @@ from typing import Any
 
 import viser
 
+from space_robot_report.viewer import story
 from space_robot_report.viewer.clock import PlayClock
+from space_robot_report.viewer.show import Show
 
 SPEEDS = ("0.25", "0.5", "1", "2", "5", "10", "50")
 STEPS = 1000
@@ -20,10 +22,9 @@ class Panel:
     Args:
         server: of viser.
         clock: of the playback.
+        show: its texts are HTML: what a log says in them is escaped, see ``escapes.html``.
         start: of the run [s].
         end: of the run [s].
-        title: of the run.
-        about: a line or two on the run, as HTML: what a log says in it is escaped, see ``escapes.html``.
         switches: label to the callback of its switch.
     """
 
@@ -31,19 +32,22 @@ class Panel:
         self,
         server: viser.ViserServer,
         clock: PlayClock,
+        show: Show,
         *,
         start: float,
         end: float,
-        title: str,
-        about: str,
         switches: Mapping[str, Callable[[bool], None]],
     ) -> None:
-        self._clock = clock
+        self._clock, self._spans = clock, show.spans
         gui = server.gui
         gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
-        gui.set_panel_label(title)
+        gui.set_panel_label(show.title)
         # Not Markdown: viser takes HTML in it for what it is, and reads the files its images name.
-        gui.add_html(f'<div style="{STYLE}">{about}</div>')
+        gui.add_html(_framed(show.about))
+        self._now = ""
+        if story.now(show.spans, start):
+            gui.add_html(_framed(story.bands(show.spans, start, end)))
+            self._shown_now = gui.add_html("")
         self._button = gui.add_button("Play")
         span = max(end - start, 1e-3)
         self._slider = gui.add_slider("time [s]", start, start + span, max(span / STEPS, 1e-3), start)
@@ -53,6 +57,10 @@ class Panel:
         self._speed.on_update(self._on_speed)
         for label, tell in switches.items():
             self._add_switch(gui, label, tell)
+        if show.events:
+            with gui.add_folder("events", expand_by_default=False):
+                gui.add_html(_framed(story.table(show.events)))
+        self.follow()
 
     def follow(self) -> None:
         """Show where the clock is."""
@@ -60,6 +68,8 @@ class Panel:
         label = "Pause" if self._clock.playing else "Play"
         if self._button.label != label:
             self._button.label = label
+        if (now := story.now(self._spans, self._clock.now)) != self._now:
+            self._now, self._shown_now.content = now, _framed(now)
 
     def _on_slider(self, event: Any) -> None:
         # Its own ``follow`` moves the slider too; only a person has a client.
@@ -79,3 +89,7 @@ class Panel:
             tell(switch.value)
 
         switch.on_update(on_update)
+
+
+def _framed(content: str) -> str:
+    return f'<div style="{STYLE}">{content}</div>'

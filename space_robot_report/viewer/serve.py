@@ -5,39 +5,18 @@ from __future__ import annotations
 import webbrowser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
-from dataclasses import dataclass
 from io import StringIO
 from time import perf_counter, sleep
 
 import viser
 
-from space_robot_description.visual import Look
-from space_robot_report.playback import Footage
 from space_robot_report.viewer.clock import PlayClock
 from space_robot_report.viewer.motion import Motion
 from space_robot_report.viewer.panel import Panel
+from space_robot_report.viewer.show import Show
 from space_robot_report.viewer.stage import Stage
 
 FRAME_SECONDS = 1.0 / 30.0
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Show:
-    """What is shown.
-
-    Attributes:
-        look: the robot.
-        film: its log.
-        tool: the link whose way is drawn.
-        title: of the run.
-        about: a line or two on it, as HTML.
-    """
-
-    look: Look
-    film: Footage
-    tool: str
-    title: str
-    about: str
 
 
 def serve(
@@ -62,9 +41,7 @@ def serve(
         start, end = float(show.film.time[0]), float(show.film.time[-1])
         clock, motion = PlayClock(start, end), Motion(show.look.model, show.film)
         stage = Stage(server, show.look, motion, show.tool)
-        panel = Panel(
-            server, clock, start=start, end=end, title=show.title, about=show.about, switches=stage.switches()
-        )
+        panel = Panel(server, clock, show, start=start, end=end, switches=stage.switches())
         stage.show(motion.at(start))
         on_ready(address)
         if open_browser:

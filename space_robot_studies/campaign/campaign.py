@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
@@ -12,15 +12,17 @@ from typing import Any, get_args
 
 from space_robot_bringup.compose.composition import Composition, versions
 from space_robot_bringup.judge.check import Check
-from space_robot_bringup.judge.metrics import metric_names
+from space_robot_bringup.judge.conclusion import FAIL, conclusion, passed
+from space_robot_bringup.judge.metrics import PER_AXIS, metric_names
 from space_robot_bringup.judge.verdict import check_bounds, check_expectations
 from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SilenceError, SpecError
+from space_robot_msgs_py.extras import install
 from space_robot_studies.campaign.cases import check_cases, make_case
 from space_robot_studies.campaign.directory import check_directory, open_campaign, to_yaml
 from space_robot_studies.campaign.run_case import CaseResult, Keep, failure, run_case, warm
 from space_robot_studies.campaign.spec import Campaign, load_campaign
-from space_robot_studies.campaign.statistics import Group, summarise, summary_names
+from space_robot_studies.campaign.statistics import RATES, Group, summarise, summary_names
 from space_robot_studies.engine.hooks import StudyHooks
 from space_robot_studies.engine.journal import Journal, Row
 from space_robot_studies.engine.storage import guarded
@@ -57,9 +59,14 @@ class CampaignResult:
     lost: int = 0
 
     @property
-    def passed(self) -> bool:
-        """Everything was run and every bound holds."""
-        return self.end_reason == "completed" and all(check.passed for check in self.checks)
+    def passed(self) -> bool | None:
+        """Everything was run and every bound holds; None: but none of the task, see ``judge_groups``."""
+        return passed(self.checks) if self.end_reason == "completed" else False
+
+    @property
+    def conclusion(self) -> str:
+        """``PASS``, ``FAIL``, or in words that nothing was expected."""
+        return conclusion(self.checks) if self.end_reason == "completed" else FAIL
 
 
 def run_campaign(
@@ -121,7 +128,7 @@ class CheckedCampaign:
     ) -> CheckedCampaign:
         """Check everything; see ``run_campaign``."""
         if missing := [name for name in NEEDED if find_spec(name) is None]:
-            raise SpecError(f"a campaign needs {missing[0]}", accepted="install space-robot[campaign]")
+            raise SpecError(f"a campaign needs {missing[0]}", accepted=install("campaign"))
         check_directory(directory, campaign, resume=resume)
         firsts = check_cases(campaign, stop)
         # Points may differ in their robot, and so in their metrics.
@@ -191,7 +198,10 @@ def _metrics(composition: Composition) -> list[str]:
 
 
 def judge_groups(campaign: Campaign, groups: Sequence[Group]) -> tuple[Check, ...]:
-    """The verdict: some run of every point of the grid completed, and the campaign's bounds hold at every point."""
+    """The verdict: some run of every point of the grid completed, and the campaign's bounds hold at every point.
+
+    Of the task are bounds on what an axis did, and on the rate of success where something is expected of runs.
+    """
     checks = []
     for group in groups:
         where = f"{describe(group.labels)}: " if group.labels else ""
@@ -199,8 +209,16 @@ def judge_groups(campaign: Campaign, groups: Sequence[Group]) -> tuple[Check, ..
         checks.append(Check(f"{where}completed runs", count, ">= 1", count >= 1))
         numbers = group.flat()
         for name, wanted in campaign.expect.items():
-            checks += check_bounds(f"{where}{name}", numbers.get(name), wanted)
+            found = check_bounds(f"{where}{name}", numbers.get(name), wanted)
+            checks += [replace(check, about="task") for check in found] if _of_task(name, group) else found
     return tuple(checks)
+
+
+def _of_task(name: str, group: Group) -> bool:
+    """Whether a number of a group is about what its runs were to do."""
+    if name.partition(".")[0] == RATES[0]:
+        return group.undecided < group.success.n
+    return name.rpartition(".")[0].rpartition(".")[2] in PER_AXIS
 
 
 def describe(labels: Mapping[str, Any]) -> str:

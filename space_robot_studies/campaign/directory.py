@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
-from space_robot_bringup.experiment.experiment import dump_yaml
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.atomic_file import TEMPORARY, write_atomically
 from space_robot_msgs_py.bounded_files import is_file, short
@@ -17,16 +18,16 @@ from space_robot_studies.engine.journal import Journal, Row, check_columns, fini
 from space_robot_studies.engine.storage import check_place, guarded
 
 CAMPAIGN = "resolved.yaml"
-# What every row of the table has, see ``table.FIXED``.
-COLUMNS: Mapping[str, type] = {
-    "index": int,
-    "run": int,
-    "seed": int,
-    "end_reason": str,
-    "completed": bool,
-    "passed": bool,
-    "failed": str,
-    "ticks": int,
+# What every row of the table has, see ``table.FIXED``, and of which types it may be; older rows have no remarks.
+COLUMNS: Mapping[str, tuple[type, ...]] = {
+    "index": (int,),
+    "run": (int,),
+    "seed": (int,),
+    "end_reason": (str,),
+    "completed": (bool,),
+    "passed": (bool, NoneType),
+    "failed": (str,),
+    "ticks": (int,),
 }
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import experiment_from
+from space_robot_bringup.judge.conclusion import passed
 from space_robot_bringup.judge.judging import judge_ticks
 from space_robot_bringup.modes.headless import run_in_memory, write_bag
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -27,7 +28,8 @@ class CaseResult:
     """What a worker hands back.
 
     Attributes:
-        columns: end_reason, completed, passed, failed (names of the bounds missed), ticks, then every metric.
+        columns: end_reason, completed, passed (null: nothing was expected of the task), failed (names of the bounds
+            missed), remarks (names of what else happened), ticks, then every metric.
         bag: file name to content of the run directory, where the run is kept.
         trace: of a run that raised what it should not.
         wall_time: [s]; it depends on the machine and belongs in no table.
@@ -61,7 +63,7 @@ def run_case(data: Mapping[str, Any], name: str, keep: Keep) -> CaseResult:
         columns = failure(f"error: {error}")
     except (Exception, SystemExit) as error:
         columns, trace = failure(bug(error)), traceback.format_exc()
-    wanted = keep == "all" or (keep == "failed" and not columns["passed"])
+    wanted = keep == "all" or (keep == "failed" and columns["passed"] is False)
     bag = _bag(composition, sink, name) if wanted and composition is not None else {}
     return CaseResult(columns, bag, trace, perf_counter() - began)
 
@@ -73,13 +75,13 @@ def warm(data: Mapping[str, Any]) -> None:
 
 
 def _columns(composition: Composition, reason: str, ticks: Sequence[Tick]) -> dict[str, Any]:
-    metrics, checks = judge_ticks(ticks, composition, reason)
-    missed = [check.name for check in checks if not check.passed]
+    metrics, checks, remarks = judge_ticks(ticks, composition, reason)
     outcome = {
         "end_reason": reason,
         "completed": reason == "completed",
-        "passed": bool(checks) and not missed,
-        "failed": ", ".join(missed),
+        "passed": passed(checks),
+        "failed": ", ".join(check.name for check in checks if not check.passed),
+        "remarks": ", ".join(remark.name for remark in remarks),
         "ticks": len(ticks),
     }
     return outcome | (metrics.flat() if metrics is not None else {})
@@ -87,7 +89,8 @@ def _columns(composition: Composition, reason: str, ticks: Sequence[Tick]) -> di
 
 def failure(reason: str) -> dict[str, Any]:
     """Columns of a case that nothing can be measured of."""
-    return {"end_reason": reason, "completed": False, "passed": False, "failed": "completed", "ticks": 0}
+    outcome = {"end_reason": reason, "completed": False, "passed": False, "failed": "completed"}
+    return outcome | {"remarks": "", "ticks": 0}
 
 
 def _bag(composition: Composition, sink: MemorySink, name: str) -> dict[str, bytes]:

@@ -91,17 +91,21 @@ class Group:
     Attributes:
         labels: key to label of what is varied; empty without a grid.
         success: runs that kept every bound of their experiment.
+        undecided: how many of them kept what bounds there are, but nothing was expected of the task.
         completed: runs that ended by themselves.
         reasons: how the others ended, and how often.
-        failed: indices of the cases that did not pass.
+        failed: indices of the cases that missed a bound.
+        remarks: what else happened, by name, and in how many runs.
         spreads: metric to its spread over the completed runs; another robot has others.
     """
 
     labels: Mapping[str, Any]
     success: Rate
+    undecided: int
     completed: Rate
     reasons: Mapping[str, int]
     failed: tuple[int, ...]
+    remarks: Mapping[str, int]
     spreads: Mapping[str, Spread]
 
     def flat(self) -> dict[str, float | None]:
@@ -143,10 +147,12 @@ def summarise(rows: Sequence[Mapping[str, Any]], labels: Mapping[str, Any], metr
             spreads[metric] = Spread.of(values, indices, len(measured) - len(held), seed)
     return Group(
         labels=dict(labels),
-        success=Rate.of(sum(row["passed"] for row in rows), len(rows)),
+        success=Rate.of(sum(row["passed"] is not False for row in rows), len(rows)),
+        undecided=sum(row["passed"] is None for row in rows),
         completed=Rate.of(len(completed), len(rows)),
         reasons=dict(Counter(row["end_reason"] for row in rows if not row["completed"])),
-        failed=tuple(row["index"] for row in rows if not row["passed"]),
+        failed=tuple(row["index"] for row in rows if row["passed"] is False),
+        remarks=dict(Counter(name for row in rows for name in (row.get("remarks") or "").split(", ") if name)),
         spreads=spreads,
     )
 

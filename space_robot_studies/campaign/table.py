@@ -17,6 +17,7 @@ FIXED = {
     "completed": pa.bool_(),
     "passed": pa.bool_(),
     "failed": pa.string(),
+    "remarks": pa.string(),
     "ticks": pa.int64(),
 }
 

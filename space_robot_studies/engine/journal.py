@@ -206,7 +206,7 @@ def _row(fields: dict[str, Any]) -> Row:
     return row
 
 
-def check_columns(row: Row, wanted: Mapping[str, type]) -> None:
+def check_columns(row: Row, wanted: Mapping[str, tuple[type, ...]]) -> None:
     """Refuse columns that a table of plain numbers and texts cannot hold; a file may contain anything.
 
     Args:
@@ -216,9 +216,9 @@ def check_columns(row: Row, wanted: Mapping[str, type]) -> None:
     Raises:
         LogError: a column is missing or of another type, or a number is not finite.
     """
-    for name, kind in wanted.items():
-        if type(row.columns.get(name)) is not kind:
-            raise LogError(f"{name} is no {kind.__name__}", key=f"row {row.key}")
+    for name, kinds in wanted.items():
+        if name not in row.columns or type(row.columns[name]) not in kinds:
+            raise LogError(f"{name} is no {kinds[0].__name__}", key=f"row {row.key}")
     for name, value in row.columns.items():
         if not isinstance(value, str | int | float | None) or (isinstance(value, float) and not isfinite(value)):
             raise LogError(f"{name} is no text and no finite number", key=f"row {row.key}")

@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any
 
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.extras import install
 from space_robot_studies.engine.local_workers import LocalWorkers, cores
 from space_robot_studies.engine.tasks import Stop, Workers
 
@@ -60,7 +61,7 @@ def open_workers(
         # Only here: nothing else needs it, and it takes half a second to load.
         from space_robot_studies.engine.dask_workers import dask_workers
     except ImportError as error:
-        accepted = "install space-robot[cluster]"
+        accepted = install("cluster")
         raise SpecError(f"needs Dask ({error})", key="--scheduler", value=scheduler, accepted=accepted) from None
     with dask_workers(scheduler, time_limit) as remote:
         yield remote

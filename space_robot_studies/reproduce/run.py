@@ -92,7 +92,7 @@ def run_job(job: Job) -> RunData:
 
 def _look(job: Job, composition: Composition, sink: MemorySink) -> RunData:
     reason = sink.end_reason or ""
-    metrics, checks = judge_ticks(sink.ticks, composition, reason)
+    metrics, checks, _ = judge_ticks(sink.ticks, composition, reason)
     if metrics is None:
         return RunData(reason)
     arrays = arrays_of(sink.ticks)

@@ -39,7 +39,7 @@ def judged(log: Path) -> None:
     composition = info.compose_logged(info.logged_experiment(reader.header.experiment))
     result = judge_log(log, composition, "completed", 0.0)
     assert result.metrics is not None
-    assert result.passed
+    assert result.passed is not False
 
 
 def drawn(log: Path) -> None:
@@ -83,7 +83,7 @@ import sys
 from pathlib import Path
 from space_robot_bringup.logs.assessed import read_judged
 from space_robot_bringup.logs.info import bag_info
-assert bag_info(Path(sys.argv[1]), full=True).verdict.passed
+assert bag_info(Path(sys.argv[1]), full=True).verdict.passed is None
 assert read_judged(sys.argv[1]).metrics.ticks == int(sys.argv[2])
 print(*sorted({"numba", "scipy", "space_robot_control.laws.base"} & sys.modules.keys()))
 """

@@ -19,7 +19,8 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata, Schema
 
-from space_robot_bringup.experiment.experiment import dump_yaml, experiment_from, experiment_path, load_experiment
+from space_robot_bringup.experiment.experiment import experiment_from, experiment_path, load_experiment
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.logs import info
 from space_robot_bringup.logs.assessed import read_judged
 from space_robot_bringup.logs.info import bag_info

@@ -41,7 +41,7 @@ def test_run_prints_a_verdict_and_json_says_the_same(space_robot: Tool, tmp_path
     assert verdict["end_reason"] == "completed"
     assert verdict["ticks"] == 161
     assert verdict["metrics"]["base/roll.settling_time"] == pytest.approx(6.0, abs=1.0)
-    plain = space_robot("run", "liu2023/fig08", "--out", "bag")
+    plain = space_robot("run", "liu2023/fig08", "--out", "bag", "--overwrite")
     assert plain.returncode == 0
     assert "PASS (completed)" in plain.stdout
 

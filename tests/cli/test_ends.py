@@ -28,7 +28,7 @@ def test_an_exception_of_a_law_is_one_line_and_exit_1(space_robot: Tool) -> None
     assert (done.returncode, done.stderr) == (1, "")
     assert "FAIL (controller: law buggy at tick 0: KeyError: 'a typo')" in done.stdout
     assert "tick 0 at 0 s has no command of the law tests.support.laws:Buggy" in done.stdout
-    shown = space_robot(*FIG08, *law("Buggy"), "--debug")
+    shown = space_robot(*FIG08, *law("Buggy"), "--debug", "--overwrite")
     assert "Traceback" in shown.stderr
     assert 'raise KeyError("a typo")' in shown.stderr
 

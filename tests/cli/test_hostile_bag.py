@@ -12,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from space_robot_bringup.experiment.experiment import dump_yaml, load_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_bringup.replay.publish import open_broadcast
 from space_robot_cli.main import app
@@ -92,6 +93,7 @@ NAMED = {
 # Every command of the tool is one of these; a new one has to be put here.
 READ_LOGS: dict[str, tuple[tuple[str, ...], ...]] = {
     "info": ((), ("--json",)),
+    "events": ((), ("--json",)),
     "report": ((),),
     "plot": ((),),
     "recover": ((),),
@@ -107,7 +109,7 @@ READ_LOGS: dict[str, tuple[tuple[str, ...], ...]] = {
     # Of the directory of a campaign: see the test of those.
     "run": (),
 }
-RUN_WHAT_IS_TYPED = {"campaign", "check", "compare", "list", "reproduce", "robot", "schema"}
+RUN_WHAT_IS_TYPED = {"campaign", "check", "compare", "list", "new", "reproduce", "robot", "schema"}
 
 
 def test_every_command_is_known_here() -> None:

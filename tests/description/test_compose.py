@@ -28,12 +28,20 @@ ARMS = {
     "panda_sat": ("panda_description/urdf/panda.urdf", {"panda_finger_joint1": 0.02, "panda_finger_joint2": 0.02}),
 }
 
+# Cylinders of 0.06 m radius and 0.12 m length, which the robot file has instead of the URDF's of 0.6 m radius.
+WRISTS = {
+    f"wrist_{number}_joint": [mass * (3 * 0.06**2 + 0.12**2) / 12] * 2 + [mass * 0.06**2 / 2]
+    for number, mass in ((1, 1.219), (2, 1.219), (3, 0.1879))
+}
+
 
 def _bare_arm(name: str) -> Any:
     """The wheel's own URDF, fixed base, built by Pinocchio alone."""
     path, locked = ARMS[name]
     full = pin.buildModelFromUrdf(str(resource(f"example-robot-data:{path}", Path())))
     full.gravity.setZero()
+    for joint_name, moments in WRISTS.items() if name == "ur5_sat" else ():
+        full.inertias[full.getJointId(joint_name)].inertia = np.diag(moments)
     q = pin.neutral(full)
     for joint_name, position in locked.items():
         q[full.joints[full.getJointId(joint_name)].idx_q] = position
@@ -92,6 +100,40 @@ def test_follower_of_a_locked_joint_is_locked_with_it() -> None:
     actual = load_robot(robot_file(urdf(*TWO_LINKS, parts[0], mimic), locked_joints={"j2": 0.3}))
     assert actual.joint_names == ("j1",)
     np.testing.assert_allclose(inertial_parameters(actual), inertial_parameters(expected), atol=1e-15)
+
+
+def test_followers_of_followers_are_locked_too() -> None:
+    """A joint that mimics one that mimics a locked one stands where both say, in whatever order they are written."""
+    limit = '<axis xyz="0 0 1"/><limit lower="-2" upper="2"/>'
+    first = joint("j3", "fore", "finger", inside=f'{limit}<mimic joint="j4" multiplier="0.5"/>')
+    second = joint("j4", "fore", "thumb", inside=f'{limit}<mimic joint="j2" multiplier="-2" offset="0.1"/>')
+    links = (link("finger"), link("thumb"))
+    plain = [joint(name, "fore", child, inside=limit) for name, child in (("j3", "finger"), ("j4", "thumb"))]
+    expected = load_robot(
+        robot_file(urdf(*TWO_LINKS, *links, *plain), locked_joints={"j2": 0.3, "j3": -0.25, "j4": -0.5})
+    )
+    actual = load_robot(robot_file(urdf(*TWO_LINKS, *links, first, second), locked_joints={"j2": 0.3}))
+    assert actual.joint_names == ("j1",)
+    np.testing.assert_allclose(inertial_parameters(actual), inertial_parameters(expected), atol=1e-15)
+
+
+def test_home_that_is_not_said_is_the_nearest_position_inside() -> None:
+    """A joint that cannot stand at 0 stands at the limit nearest to it, unless the file says where."""
+    limits = {"j1": {"lower": 0.5}, "j2": {"upper": -0.25}}
+    np.testing.assert_array_equal(load_robot(robot_file(joint_limits=limits)).home, [0.5, -0.25])
+    said = load_robot(robot_file(joint_limits=limits, home={"j1": 1.0}))
+    np.testing.assert_array_equal(said.home, [1.0, -0.25])
+    np.testing.assert_array_equal(load_robot(said.resolved).home, said.home)
+
+
+def test_limits_of_the_robot_file_stand_in_for_those_of_the_urdf() -> None:
+    """A joint without usable limits is refused with the key that gives it some, and the key does."""
+    for inside in ('<limit effort="1"/>', "<axis xyz='0 0 1'/>"):
+        text = urdf(*TWO_LINKS[:4], joint("j2", "upper", "fore", inside=inside))
+        with pytest.raises(SpecError, match=r"joint j2: .*joint_limits: \{j2: \{lower: -1\.5, upper: 1\.5\}\}"):
+            load_robot(robot_file(text))
+        robot = load_robot(robot_file(text, joint_limits={"j2": {"lower": -1.5, "upper": 1.5}}))
+        np.testing.assert_array_equal(robot.joint_upper, [2.0, 1.5])
 
 
 def test_names_change_only_on_collision() -> None:
@@ -216,6 +258,10 @@ BAD_FILES: dict[str, tuple[dict[str, Any], str]] = {
     "unknown lock": ({"locked_joints": {"j11": 0}}, "locked_joints: no such joint; got 'j11'; accepted: j1"),
     "unknown limit": ({"joint_limits": {"k1": {"lower": 0}}}, "joint_limits: no such joint; got 'k1'"),
     "home outside": ({"home": [0, 2.5]}, "home.j2: home is outside the joint limits; got 2.5; accepted: -2..2"),
+    "homes outside": (
+        {"home": [-3, 2.5]},
+        "home: home is outside the joint limits; got 'j1 -3, j2 2.5'; accepted: j1 -2..2, j2 -2..2",
+    ),
     "tool": ({"tool": "for"}, "tool: no such link; got 'for'; accepted: fore"),
     "all locked": ({"locked_joints": {"j1": 0, "j2": 0}}, "no moving joint is left"),
     "inertia list": ({"base": BASE | {"inertia": [1, 2]}}, "base.inertia: wrong number of values"),

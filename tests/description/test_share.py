@@ -43,7 +43,7 @@ def test_missing_config_says_where_it_looked(tmp_path: Path, monkeypatch: pytest
 def test_missing_wheel_names_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the wheel the error says which pip package brings it."""
     monkeypatch.setattr(sys, "path", ["/nowhere"])
-    with pytest.raises(InputFileError, match="pip install example-robot-data"):
+    with pytest.raises(InputFileError, match=r"install space-robot\[robots\]: pip install "):
         load_robot("ur5_sat")
 
 

@@ -22,8 +22,17 @@ BAD_BODIES = {
     "no inertial": ("", "no mass"),
     "zero mass": (_inertial(mass="0", ixx="0", iyy="0", izz="0"), "no mass"),
     "zero mass with inertia": (_inertial(mass="0"), "mass is not positive"),
-    "negative mass": (_inertial(mass="-2"), "mass is not positive"),
-    "mass without inertia": ('<inertial><mass value="2"/></inertial>', "no inertia"),
+    "negative mass": (_inertial(mass="-2"), "mass is negative; got -2.0"),
+    "point mass on its axis": ('<inertial><mass value="2"/></inertial>', "mass matrix is singular"),
+    "inertia without mass": (_inertial().replace('<mass value="2"/>', ""), "<inertial> has no <mass>"),
+    "mass without value": (_inertial().replace("value", "vaule"), "<mass> has an attribute that is none of URDF"),
+    "mass alone": (_inertial().replace(' value="2"', ""), "<mass> has no value"),
+    "diagonal left out": (_inertial().replace('iyy="1" ', ""), "<inertia> has no iyy"),
+    "two inertials": (_inertial() * 2, "has <inertial> 2 times"),
+    "two masses": (_inertial().replace("<mass", '<mass value="1"/><mass'), "has <mass> 2 times"),
+    "misspelt": (_inertial().replace("inertial", "inertail"), r"unknown element; got '<inertail>'; .*<inertial>"),
+    "density": (_inertial().replace("<mass", "<density/><mass"), "unknown element in <inertial>; got '<density>'"),
+    "quaternion": (_inertial().replace("<mass", '<origin quat_xyzw="0 0 0 1"/><mass'), "none of URDF 1.0"),
     "triangle": (_inertial(izz="2.1"), "triangle inequality"),
     "not positive": (_inertial(izz="-0.1"), "not positive definite"),
     "huge": (_inertial(ixx="1e308"), "inertia is beyond any spacecraft"),
@@ -39,7 +48,7 @@ def test_impossible_bodies_are_refused_by_name(case: str) -> None:
     """An impossible or missing inertia of a moving link is an InertiaError that names link and condition."""
     inside, message = BAD_BODIES[case]
     text = urdf(link("base_link"), link("upper"), link("fore", inside), *TWO_LINKS[3:])
-    with pytest.raises(InertiaError, match=message) as error:
+    with pytest.raises((InertiaError, SpecError), match=message) as error:
         load_robot(robot_file(text))
     assert "link fore" in str(error.value)
 
@@ -93,7 +102,15 @@ BAD_JOINTS = {
         joint("j2", "upper", "fore", inside='<limit lower="-1_0" upper="1"/>'),
         "joint j2: lower is not a number",
     ),
-    "pinocchio's name": (joint("root_joint", "upper", "fore"), "the model uses this name itself; got 'root_joint'"),
+    "two axes": (
+        joint("j2", "upper", "fore", inside=f'{LIMIT}<axis xyz="0 0 1"/><axis xyz="0 1 0"/>'),
+        "<axis> 2 times",
+    ),
+    "limits": (joint("j2", "upper", "fore", inside=LIMIT.replace("limit", "limits")), "did you mean <limit>?"),
+    "upper limit": (
+        joint("j2", "upper", "fore", inside=LIMIT.replace("upper", "uper")),
+        "joint j2: <limit> has an attribute that is none of URDF; got 'uper'",
+    ),
     "mimic number": (
         joint("j2", "upper", "fore", inside=f'{LIMIT}<mimic joint="j1" multiplier="x"/>'),
         "joint j2: mimics",

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import re
 import shlex
-import shutil
 import sys
 from pathlib import Path
 
 import pytest
 
-from space_robot_bringup.experiment.experiment import experiment_path
 from space_robot_cli.main import main
 from tests.support.paths import ROOT
 
@@ -33,7 +31,6 @@ def test_every_command_of_the_readme_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """In the order in which they stand there, in an empty folder, each does what it says; fewer runs, and faster."""
-    shutil.copy(experiment_path("liu2023/fig08"), tmp_path / "my_experiment.yaml")
     monkeypatch.chdir(tmp_path)
     assert len(COMMANDS) > 5
     for command in COMMANDS:

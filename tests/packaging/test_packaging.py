@@ -19,7 +19,7 @@ from tests.support.distribution import ROOT, build_wheel, executables
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 SHARE, DATA = "share/space_robot", f"space_robot-{PROJECT['version']}.data/data"
-PARTS = ("msgs_py", "description", "control", "sim", "bringup", "studies", "report", "cli")
+PARTS = ("msgs_py", "description", "control", "sim", "supervisor", "bringup", "studies", "report", "cli")
 PACKAGES = ["space_robot", *(f"space_robot_{name}" for name in PARTS)]
 # Where ros2 run and ros2 launch look; the others are ordinary Python packages.
 AMENT = [name for name in PACKAGES if (ROOT / "resource" / name).is_file()]
@@ -33,7 +33,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
 def test_the_wheel_holds_every_module_and_every_config_file(wheel: zipfile.ZipFile) -> None:
     """A file added to the tree is not forgotten in the installation."""
     held = set(wheel.namelist())
-    kinds = (".py", ".j2", ".js", ".css", ".typed")
+    kinds = (".py", ".j2", ".js", ".css", ".typed", ".txt")
     files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.name.endswith(kinds))
     modules = {path.relative_to(ROOT).as_posix() for path in files}
     config = {

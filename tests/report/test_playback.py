@@ -6,6 +6,8 @@ from space_robot_description.load import load_robot
 from space_robot_report.playback import Footage, joint_axes, way_of
 from space_robot_report.viewer.clock import PlayClock
 from space_robot_report.viewer.motion import Motion
+from tests.support.description_texts import TWO_LINKS, robot_file, urdf
+from tests.support.description_texts import joint as joint_text
 
 
 @pytest.fixture(scope="module")
@@ -86,3 +88,13 @@ def test_the_clock_plays_pauses_ends_and_begins_anew():
     assert (clock.now, clock.playing) == (0.0, True)
     clock.advance(100.0)
     assert (clock.now, clock.playing) == (10.0, False)
+
+
+def test_a_link_is_found_beside_a_joint_of_its_name():
+    """The way of a link is drawn where a joint has the same name: frames are looked up with their kind."""
+    robot = load_robot(
+        robot_file(urdf(*TWO_LINKS[:3], joint_text("upper", "base_link", "upper"), joint_text("fore", "upper", "fore")))
+    )
+    other = load_robot(robot_file())
+    q = np.concatenate([pin.neutral(other.model)[:7], [0.3, -0.4]])[None]
+    np.testing.assert_array_equal(way_of(robot.model, q, "fore"), way_of(other.model, q, "fore"))

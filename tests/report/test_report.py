@@ -124,7 +124,7 @@ def test_changes_during_the_run_are_on_the_page(bag: Path, tmp_path: Path) -> No
     sink.close("completed")
     write_log_report(tmp_path / "run", tmp_path / "run.html")
     page = (tmp_path / "run.html").read_text(encoding="utf-8")
-    assert "Changed during the run" in own_markup(page)
+    assert "What happened" in own_markup(page)
     assert "gains.kappa" in own_markup(page)
     assert data_of(page, "marks") == [5.0]
 
@@ -280,7 +280,9 @@ def test_the_command_writes_a_page_and_refuses_in_one_line(space_robot: Tool, ba
     refused(space_robot("report", "text.mcap"), "not an MCAP file")
 
 
-@pytest.mark.parametrize(("missing", "command", "extra"), [("viser", "view", "view"), ("plotly", "report", "viz")])
+@pytest.mark.parametrize(
+    ("missing", "command", "extra"), [("viser", "view", "view"), ("plotly", "report", "viz,campaign")]
+)
 def test_a_missing_optional_package_is_named(bag: Path, missing: str, command: str, extra: str) -> None:
     """Without viser or plotly the command exits 2 with one line that says what to install."""
     hide = f"import sys; sys.modules[{missing!r}] = None; sys.argv[1:] = [{command!r}, {str(bag)!r}]"

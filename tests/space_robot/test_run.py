@@ -230,10 +230,13 @@ def test_a_temporary_log_lives_as_long_as_it_is_read() -> None:
 
 
 def test_a_relative_out_is_resolved_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A relative ``out`` is a place, also after the working directory has changed; a later run replaces it."""
+    """A relative ``out`` is a place, also after the working directory has changed; what is in it stays unless asked."""
     monkeypatch.chdir(tmp_path)
     first = sr.run(NAME, CHANGES, out="runs/one")
-    second = sr.run(NAME, CHANGES | {"seed": 5}, out=Path("runs") / "one")
+    with pytest.raises(sr.SpaceRobotError, match="out: holds a run already"):
+        sr.run(NAME, CHANGES | {"seed": 5}, out="runs/one")
+    assert sr.LogReader(first.directory).header.seed == first.log.header.seed
+    second = sr.run(NAME, CHANGES | {"seed": 5}, out=Path("runs") / "one", overwrite=True)
     monkeypatch.chdir("/")
     assert first.directory == second.directory == tmp_path / "runs" / "one"
     assert second.log.header.seed == 5

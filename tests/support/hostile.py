@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.experiment.experiment import dump_yaml
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.reader import LogReader

@@ -117,4 +117,9 @@ def test_changes_are_named_by_their_keys():
         "initial.position": ([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]),
     }
     assert changed(data, [], "test") == {}
+    rows = {"m": [{"name": "a", "above": 1}, {"name": "b", "above": 2}], "f": [{"kind": "x"}, {"kind": "x"}]}
+    assert flat(rows) == {"m.a.name": "a", "m.a.above": 1, "m.b.name": "b", "m.b.above": 2} | {
+        "f.0.kind": "x",
+        "f.1.kind": "x",
+    }
     assert flat(json.loads('{"a": {"b": 1, "c": {}}, "d": [1]}')) == {"a.b": 1, "a.c": {}, "d": [1]}

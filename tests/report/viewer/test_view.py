@@ -20,7 +20,8 @@ from space_robot_msgs_py.errors import LogError  # noqa: E402
 from space_robot_msgs_py.log.writer import LogSink  # noqa: E402
 from space_robot_report.playback import Footage  # noqa: E402
 from space_robot_report.viewer.load import load_show  # noqa: E402
-from space_robot_report.viewer.serve import Show, serve  # noqa: E402
+from space_robot_report.viewer.serve import serve  # noqa: E402
+from space_robot_report.viewer.show import Show  # noqa: E402
 from tests.support import values  # noqa: E402
 
 pytestmark = pytest.mark.xdist_group("browser")

@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from space_robot_bringup.experiment.experiment import dump_yaml, load_experiment
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.campaign.cases import make_case

@@ -1,0 +1,87 @@
+"""What becomes of a robot with a fault: every kind x five laws x without and with supervision, as a table in Markdown.
+
+python -m benchmarks.coverage DIRECTORY [RUNS [KIND ...]]
+
+Runs what is not in the directory yet, so that it may be interrupted at any time and goes on. Of each run:
+survives (follows its reference again), degrades (at rest, within 0.35 rad), safe (at rest elsewhere) or lost (still
+moving at the end, beyond a joint limit, or ended early); a cell has the worst of its draws, and how many were so.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from space_robot_studies.campaign.campaign import run_campaign
+from space_robot_studies.campaign.directory import campaign_rows
+from space_robot_studies.campaign.spec import Campaign, load_campaign
+from space_robot_studies.engine.hooks import StudyHooks
+
+CAMPAIGN = Path(__file__).with_name("coverage_mini.yaml")
+OUTCOMES = ("survives", "degrades", "safe", "lost")
+MOVING = ("base.rate", "joints.rate", "joints.beyond")
+ERRORS = ("error.attitude", "error.joints")
+Columns = Mapping[str, Any]
+
+
+def outcome(row: Columns) -> str:
+    """What became of a run, from its row.
+
+    Args:
+        row: its ``failed`` names what it missed: an error once where it is beyond the closer of its two bounds, twice
+            where it is beyond both.
+    """
+    missed = row["failed"].split(", ")
+    if not row["completed"] or any(name in missed for name in MOVING):
+        return "lost"
+    return OUTCOMES[max(missed.count(name) for name in ERRORS)]
+
+
+def cell(rows: Sequence[Columns]) -> str:
+    """The worst outcome of some draws, and of how many."""
+    found = [outcome(row) for row in rows]
+    worst = max(found, key=OUTCOMES.index)
+    return worst if found.count(worst) == len(found) else f"{worst} {found.count(worst)}/{len(found)}"
+
+
+def table(rows: Iterable[Columns]) -> str:
+    """A row per kind of fault, a column per law, each without | with supervision."""
+    cells: dict[str, dict[tuple[str, str], list[Columns]]] = {}
+    for row in rows:
+        where = (row["controller"], row["supervision"])
+        cells.setdefault(row["faults"], {}).setdefault(where, []).append(row)
+    laws = list(dict.fromkeys(law for found in cells.values() for law, _ in found))
+    lines = [f"| fault | {' | '.join(laws)} |", f"|---|{'---|' * len(laws)}"]
+    for kind, found in cells.items():
+        pairs = (" → ".join(cell(found[law, how]) for how in ("without", "with")) for law in laws)
+        lines.append(f"| `{kind}` | {' | '.join(pairs)} |")
+    return "\n".join(lines)
+
+
+def chosen(runs: int, kinds: Sequence[str]) -> Campaign:
+    """The campaign with so many draws, of these kinds of faults; none: of all."""
+    campaign = load_campaign(CAMPAIGN, runs)
+    faults = campaign.vary["faults"]
+    assert isinstance(faults, Mapping)
+    kept = {kind: faults[kind] for kind in kinds or faults}
+    return campaign.model_copy(update={"vary": {**campaign.vary, "faults": kept}})
+
+
+def main(arguments: list[str]) -> int:
+    """Run what is missing and print the table."""
+    directory, runs = Path(arguments[0]), int(arguments[1]) if len(arguments) > 1 else 20
+    campaign = chosen(runs, arguments[2:])
+    hooks = StudyHooks(on_row=lambda done: print(f"\r{done} of {campaign.cases}", end="", file=sys.stderr))
+    result = run_campaign(campaign, directory, keep="none", resume=True, hooks=hooks)
+    print(file=sys.stderr)
+    if result.end_reason != "completed":
+        return 1
+    rows = campaign_rows(directory)[1]
+    print(table(rows[index].columns for index in sorted(rows)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,141 @@
+"""What an experiment will probably run into, beyond what its law says: a sentence each, before the run is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.experiment.plant import PlantSpec
+from space_robot_control.laws.registry import BUILT_IN
+from space_robot_description.foresight import robot_warnings
+from space_robot_description.mass_matrix import mass_matrix, reduced_mass_matrix
+from space_robot_description.report import torque_capacity
+from space_robot_description.robot import Robot
+from space_robot_description.spec import ReactionWheels, expand
+from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
+
+# Shipped laws without friction in their model; mfac finds out what a channel does with a command, friction included.
+_FRICTIONLESS = tuple(sorted(set(BUILT_IN) - {"mfac"}))
+# References that are looked at; a step or a corner between two of them is seen in the accelerations around it.
+_SAMPLES = 200
+# Of a limit; below, the limit does not decide.
+_FULL = 1.0 + 1e-9
+
+
+def foreseen(composition: Composition) -> tuple[str, ...]:
+    """What `space-robot check` warns of beside the law's own review.
+
+    Args:
+        composition: of the run; nothing of it is stepped.
+    """
+    of_robot = robot_warnings(composition.nominal)
+    if not isinstance(composition.experiment.plant, PlantSpec):
+        # The testbeds' joints are a grasp: no motor moves them.
+        return of_robot
+    references = _references(composition)
+    return (
+        *of_robot,
+        *_momentum(composition, references[-1]),
+        *_efforts(composition.nominal, references),
+        *_friction(composition),
+        *_fast(composition),
+    )
+
+
+def _references(composition: Composition) -> list[Reference]:
+    experiment, source = composition.experiment, composition.reference()
+    stride = max(1, experiment.steps // _SAMPLES)
+    return [source.at(tick * experiment.period) for tick in range(0, experiment.steps + 1, stride)]
+
+
+def _momentum(composition: Composition, last: Reference) -> Iterator[str]:
+    """Where no thruster is, momentum of the start ends in the wheels once everything rests."""
+    robot = composition.truth
+    wheels = robot.actuators.base_torque
+    if not isinstance(wheels, ReactionWheels):
+        return
+    axes = np.array(wheels.axes)
+    axes = (axes / np.linalg.norm(axes, axis=1, keepdims=True)).T
+    q, v = composition.initial
+    stored = axes @ np.array(wheels.initial_momentum or np.zeros(axes.shape[1]))
+    total = _angular_momentum(robot, q, v) + _attitude(q) @ stored
+    needed = np.linalg.pinv(axes) @ (_attitude(last.q).T @ total)
+    if np.max(np.abs(needed)) > wheels.momentum * _FULL:
+        yield (
+            f"the robot starts with {np.linalg.norm(total):.3g} N m s, of which a wheel has to take "
+            f"{np.max(np.abs(needed)):.3g} N m s once it rests as desired; its limit is {wheels.momentum:g} N m s"
+        )
+
+
+def _efforts(robot: Robot, references: Sequence[Reference]) -> Iterator[str]:
+    """The desired motion by inverse dynamics of the nominal robot, against what pushes it."""
+    torque = torque_capacity(robot)[0]
+    force = robot.actuators.base_force
+    limits = np.concatenate(
+        [np.full(3, np.inf) if force is None else np.array(force.limit), torque, robot.effort_limit]
+    )
+    needed = np.array([_inverse_dynamics(robot, reference) for reference in references])
+    share = np.abs(needed) / limits
+    names = [f"base {kind} {axis}" for kind in ("force", "torque") for axis in "xyz"]
+    names += [f"joint {name}" for name in robot.joint_names]
+    for index in np.flatnonzero(np.max(share, axis=0) > _FULL).tolist():
+        worst = int(np.argmax(share[:, index]))
+        time = references[worst].stamp / NANOSECONDS
+        yield (
+            f"{names[index]}: the reference needs {abs(needed[worst, index]):.3g} at {time:g} s, "
+            f"the limit is {limits[index]:g}"
+        )
+
+
+def _inverse_dynamics(robot: Robot, reference: Reference) -> Vector:
+    """(6+n,) generalised force of the desired motion; a base without thrusters drifts as the arm makes it."""
+    model: Any = robot.model
+    q, v, a = (np.array(part) for part in (reference.q, reference.v, reference.a))
+    needed: Vector = pin.rnea(model, model.createData(), q, v, a)
+    if robot.base_mode == "free_floating":
+        full = mass_matrix(model, q)
+        needed = needed - full[:, :3] @ np.linalg.solve(full[:3, :3], needed[:3])
+        needed[:3] = 0.0
+    return needed
+
+
+def _friction(composition: Composition) -> Iterator[str]:
+    motors = composition.truth.actuators.joints
+    names = composition.truth.joint_names
+    laws = [name for name in composition.experiment.controller.law_names if name in _FRICTIONLESS]
+    values = {key: float(np.max(expand(getattr(motors, key), names, key))) for key in ("viscous", "coulomb")}
+    acting = [f"{key} up to {value:g}" for key, value in values.items() if value > 0.0]
+    if acting and laws:
+        known = f"which {', '.join(laws)} does not know: joints may lag or stop short"
+        yield f"the joints have friction ({', '.join(acting)}), {known}"
+
+
+def _fast(composition: Composition) -> Iterator[str]:
+    """Modes of the plant between two commands: what is as fast as the period is not what a sampled law expects."""
+    robot, period = composition.truth, composition.experiment.control_period
+    motors = robot.actuators.joints
+    viscous = expand(motors.viscous, robot.joint_names, "viscous")
+    inverse = np.linalg.inv(reduced_mass_matrix(robot.model, robot.home))[3:, 3:]
+    fastest = float(np.max(np.linalg.eigvals(inverse * viscous).real, initial=0.0))
+    if fastest * period > 1.0:
+        yield f"friction slows a joint down within {1.0 / fastest:.3g} s, and commands are {period:g} s apart"
+    lag = float(np.max(expand(motors.lag, robot.joint_names, "lag")))
+    if lag > period:
+        yield f"motors lag by {lag:g} s, longer than the control period of {period:g} s, and no law knows it"
+
+
+def _angular_momentum(robot: Robot, q: Vector, v: Vector) -> Vector:
+    """(3,) of the whole robot about its centre of mass, inertial axes [N m s]."""
+    model: Any = robot.model
+    found: Vector = pin.computeCentroidalMomentum(model, model.createData(), np.array(q), np.array(v)).angular.copy()
+    return found
+
+
+def _attitude(q: Vector) -> Vector:
+    x, y, z, w = q[3:7]
+    matrix: Vector = pin.Quaternion(w, x, y, z).toRotationMatrix()
+    return matrix
