@@ -203,7 +203,7 @@ def _not_served() -> Iterator[None]:
     with (
         patch("space_robot_report.viewer.serve.serve"),
         patch("space_robot_report.viewer.stage.viser", None),
-        patch("space_robot_cli.main._run", side_effect=SpaceRobotError("not run here")),
+        patch("space_robot_cli.run_command._run", side_effect=SpaceRobotError("not run here")),
         patch("webbrowser.open"),
     ):
         yield

@@ -126,7 +126,9 @@ def test_names_no_system_can_look_up_are_no_files(experiment_file: Path, name: s
 def test_run_directories_are_where_the_words_lead(experiment_file: Path) -> None:
     """``a/../b`` is ``b`` even where there is no ``a``; a loop of links is refused."""
     experiment = load_experiment(str(experiment_file))
-    assert run_experiment(experiment, experiment_file.parent / "a" / ".." / "b", mode="headless").passed
+    result = run_experiment(experiment, experiment_file.parent / "a" / ".." / "b", mode="headless")
+    assert result.end_reason == "completed"
+    assert (experiment_file.parent / "b").is_dir()
     (experiment_file.parent / "loop").symlink_to("loop")
     with pytest.raises(LogError, match="loop"):
         run_experiment(experiment, experiment_file.parent / "loop", mode="headless")

@@ -186,7 +186,9 @@ def test_a_robot_without_visuals_is_drawn_as_sticks(space_robot: Tool, tmp_path:
 def test_run_view_serves_the_log_of_the_run(space_robot: Tool, monkeypatch: pytest.MonkeyPatch) -> None:
     """``run --view`` runs, prints the verdict, then serves the log at the port asked for."""
     shown = []
-    monkeypatch.setattr("space_robot_cli.main.show_log", lambda log, **options: shown.append((str(log), options)))
+    monkeypatch.setattr(
+        "space_robot_cli.run_command.show_log", lambda log, **options: shown.append((str(log), options))
+    )
     done = space_robot("run", "liu2023/fig08", "--out", "bag", "--view", "--port", "9000", "--no-browser")
     assert done.returncode == 0
     assert "PASS" in done.stdout
