@@ -144,7 +144,7 @@ def test_the_command_of_a_run_gives_its_bag(space_robot: Tool, tmp_path: Path) -
         words = shlex.split(run["command"])
         assert words[:2] == ["space-robot", "run"]
         # Its own exit code is the verdict of the experiment's bounds, which this manifest shortens.
-        assert space_robot(*words[1:], "--out", "alone").returncode in (0, 1)
+        assert space_robot(*words[1:], "--out", "alone", "--overwrite").returncode in (0, 1)
         (alone,), (bag,) = (tmp_path / "alone").glob("*.mcap"), (tmp_path / "out/paper" / run["bag"]).glob("*.mcap")
         assert alone.read_bytes() == bag.read_bytes()
 
