@@ -8,10 +8,10 @@ from pathlib import Path
 
 from rich.console import Console
 
-from space_robot_cli.render.paper import markdown, show
+from space_robot_cli.render.paper import show
+from space_robot_cli.render.paper_page import write_markdown
 from space_robot_cli.study import announce, print_interrupted, study
 from space_robot_cli.study_options import StudyOptions
-from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.extras import install
 from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
@@ -73,7 +73,7 @@ def run(options: Options, out: Console, err: Console) -> bool:
             return False
         data = write_report(plan, result.figures, directory)
         if options.study.markdown is not None:
-            write_atomically(options.study.markdown, markdown(data))
+            write_markdown(options.study.markdown, data)
     if options.study.as_json:
         print(json.dumps(data, allow_nan=False))
     else:

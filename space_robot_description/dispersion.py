@@ -18,6 +18,8 @@ from space_robot_msgs_py.interfaces import Vector
 
 # Orders are part of the result: draws happen body by body, quantity by quantity, whatever the order in the file.
 BODY_QUANTITIES = ("mass", "com", "inertia", "parameters")
+# Not a key of a file: absolute deviations of the ten parameters, see ``eta_is``.
+VARIANCE = "variance"
 JOINT_QUANTITIES = ("effort", "lag", "viscous", "coulomb")
 BASE_QUANTITIES = ("base_torque.torque", "base_torque.momentum", "base_torque.limit", "base_force.limit")
 MAX_DRAWS = 1000
@@ -61,6 +63,11 @@ class Dispersion(Strict):
         default=0.0,
         description="every inertial parameter pi of every body ~ N(pi, (eta pi / 3)^2): Liu et al. (2023), (46)",
     )
+    eta_is: Literal["std", "variance"] = Field(
+        default="std",
+        description="eta abs(pi) / 3 in (46) is the standard deviation, as the sentence beside it says, or the "
+        "variance in SI units, as it is printed",
+    )
     inconsistent: Literal["reject", "keep"] = Field(
         default="reject",
         description="a draw that cannot exist as a body is drawn again, or kept: only for a controller's prior, "
@@ -87,7 +94,8 @@ def disperse(robot: Robot, dispersion: Dispersion, rng: np.random.Generator) -> 
     model = robot.model.copy()
     before = inertial_parameters(robot)
     for index, body in enumerate(robot.body_names):
-        chosen = {q: spread for q in BODY_QUANTITIES if (spread := spreads.get(f"bodies.{body}.{q}")) is not None}
+        names = ((quantity, f"bodies.{body}.{quantity}") for quantity in (*BODY_QUANTITIES, VARIANCE))
+        chosen = {quantity: spreads[name] for quantity, name in names if name in spreads}
         # What has no mass has nothing to deviate.
         if chosen and before[index, 0] > 0.0:
             drawn = _draw_body(body, before[index], chosen, dispersion.inconsistent, rng)
@@ -104,7 +112,8 @@ def _spreads(robot: Robot, dispersion: Dispersion) -> dict[str, Spread]:
     valid += _base_keys(robot.actuators)
     out: dict[str, Spread] = {}
     if dispersion.eta > 0.0:
-        out |= {f"bodies.{name}.parameters": Spread(normal=dispersion.eta / 3.0) for name in robot.body_names}
+        quantity = "parameters" if dispersion.eta_is == "std" else VARIANCE
+        out |= {f"bodies.{name}.{quantity}": Spread(normal=dispersion.eta / 3.0) for name in robot.body_names}
     for key, value in sorted(dispersion.parameters.items(), key=lambda item: "*" not in item[0]):
         if key not in valid:
             accepted = nearest(key, valid) or ", ".join(valid[:8])
@@ -157,7 +166,10 @@ def _draw_parameters(nominal: Vector, chosen: dict[str, Spread], rng: np.random.
         factors = np.zeros((3, 3))
         factors[upper] = chosen["inertia"].draw(rng, 6)
         inertia = inertia * (factors + np.triu(factors, 1).T)
-    drawn = nominal if chosen.keys() == {"parameters"} else _parameters(mass, com, inertia)
+    drawn = nominal if chosen.keys() <= {"parameters", VARIANCE} else _parameters(mass, com, inertia)
+    if VARIANCE in chosen:
+        deviation = np.sqrt(float(chosen[VARIANCE].normal or 0.0) * np.abs(nominal))
+        drawn = drawn + deviation * rng.standard_normal(10)
     return drawn * chosen["parameters"].draw(rng, 10) if "parameters" in chosen else drawn
 
 

@@ -30,7 +30,7 @@ class PaperFigure:
         citation: of the paper.
         caption: of the manifest.
         plots: its panels with the curves of this run.
-        claims: of the paper, with the documented verdicts.
+        claims: of the paper, with the expected verdicts.
         command: that runs the whole figure and judges it.
     """
 

@@ -12,7 +12,8 @@ from space_robot_studies.reproduce.expression import Formula
 from space_robot_studies.reproduce.manifest import Chart, Claim, Drawing, Figure, Grid, Panel, Table
 from space_robot_studies.reproduce.measures import select
 from space_robot_studies.reproduce.names import Vocabulary
-from space_robot_studies.reproduce.plan import Plan, PlannedRun, Runs
+from space_robot_studies.reproduce.plan import Plan
+from space_robot_studies.reproduce.planner import PlannedRun, ReadingRuns, Runs
 from space_robot_studies.reproduce.quantities import Measure, Number, Wanted
 
 
@@ -28,7 +29,10 @@ def check_plan(plan: Plan, figures: Iterable[str], time_limit: float = TIME_LIMI
             key = f"{plan.argument} figures.{name}"
             for label, runs in plan.runs[name].items():
                 _learn(vocabulary, runs, f"{key}.runs.{label}")
-            _FigureCheck(plan.manifest.figures[name], plan.runs[name], vocabulary).check(key)
+            for index, readings in enumerate(plan.read[name]):
+                for runs in (group for one in readings for group in one.groups.values()):
+                    _learn(vocabulary, runs, f"{key}.claims.{index}.hangs_on")
+            _FigureCheck(plan.manifest.figures[name], plan.runs[name], plan.read[name], vocabulary).check(key)
 
 
 def _learn(vocabulary: Vocabulary, runs: Sequence[PlannedRun], key: str) -> None:
@@ -42,8 +46,10 @@ def _learn(vocabulary: Vocabulary, runs: Sequence[PlannedRun], key: str) -> None
 
 
 class _FigureCheck:
-    def __init__(self, figure: Figure, runs: Runs, vocabulary: Vocabulary) -> None:
-        self._figure, self._runs, self._vocabulary = figure, runs, vocabulary
+    def __init__(
+        self, figure: Figure, runs: Runs, read: Sequence[Sequence[ReadingRuns]], vocabulary: Vocabulary
+    ) -> None:
+        self._figure, self._runs, self._read, self._vocabulary = figure, runs, read, vocabulary
 
     def check(self, key: str) -> None:
         """Check everything; ``key`` is the path of the figure."""
@@ -62,7 +68,8 @@ class _FigureCheck:
                 if len(self._of((group,), f"{key}.timing.of")) != 1:
                     raise SpecError("more than one run", key=f"{key}.timing.of", value=group, accepted="a group of one")
         for index, claim in enumerate(figure.claims):
-            self._check_claim(claim, f"{key}.claims.{index}")
+            for one in self._read[index]:
+                self._check_claim(claim, one, f"{key}.claims.{index}")
 
     def _check_labels(self, key: str) -> None:
         labels = [run.label for group in self._runs.values() for run in group]
@@ -112,19 +119,26 @@ class _FigureCheck:
                 for group in groups:
                     _check_reducible(number, self._runs[group], where)
 
-    def _check_claim(self, claim: Claim, key: str) -> None:
+    def _check_claim(self, claim: Claim, one: ReadingRuns, key: str) -> None:
         for name, measure in claim.measures.items():
-            self._check_measure(measure, f"{key}.measures.{name}")
-        check_words(claim, key)
+            self._check_measure(measure, one.groups, f"{key}.measures.{name}")
+        check_words(claim, one.reading.let, key)
 
-    def _check_measure(self, measure: Measure, key: str) -> None:
-        runs = select(measure, self._of(measure.groups, f"{key}.of"))
+    def _check_measure(self, measure: Measure, groups: Runs, key: str) -> None:
+        runs = select(measure, [run for group in measure.groups for run in groups[group]])
         if not runs:
             raise SpecError("no run has these values", key=f"{key}.where", value=dict(measure.where))
         self._check_number(measure, runs, key)
         _check_reducible(measure, runs, key)
+        if measure.over:
+            others = [run for run in groups[measure.over] if run.has(measure.where)]
+            self._check_number(measure, others, f"{key}.over")
+            if len({run.seed for run in others}) < len(others):
+                accepted = "a group with one run of each seed, or where"
+                raise SpecError("a run has several partners", key=f"{key}.over", value=measure.over, accepted=accepted)
         if (partners := measure.only_if) is not None:
-            self._check_number(partners, self._of(partners.groups, f"{key}.only_if.of"), f"{key}.only_if")
+            others = [run for group in partners.groups for run in groups[group]]
+            self._check_number(partners, others, f"{key}.only_if")
 
     def _check_number(self, number: Wanted, runs: Sequence[PlannedRun], key: str) -> None:
         if number.timing is not None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import ast
 import operator
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from math import isfinite
 from typing import Any
 
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.reproduce.estimate import Estimate, absolute, equal, exact, extreme, less
 
 ARITHMETIC: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -17,15 +18,21 @@ ARITHMETIC: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
-COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], bool]] = {
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
+# True, False, or None where the intervals do not decide.
+Truth = bool | None
+COMPARISONS: dict[type[ast.cmpop], Callable[[Estimate, Estimate], Truth]] = {
+    ast.Lt: less,
+    ast.LtE: lambda a, b: _not(less(b, a)),
+    ast.Gt: lambda a, b: less(b, a),
+    ast.GtE: lambda a, b: _not(less(a, b)),
+    ast.Eq: equal,
+    ast.NotEq: lambda a, b: _not(equal(a, b)),
 }
-FUNCTIONS: dict[str, Callable[..., Any]] = {"abs": abs, "min": min, "max": max}
+FUNCTIONS: dict[str, Callable[..., Estimate]] = {
+    "abs": absolute,
+    "min": lambda *numbers: extreme(min, *numbers),
+    "max": lambda *numbers: extreme(max, *numbers),
+}
 ACCEPTED = "numbers, names of measures, + - * /, < <= > >= == !=, and, or, not, abs, min, max"
 
 
@@ -94,13 +101,14 @@ class _Expression:
 class Condition(_Expression):
     """A condition such as ``late < 0.1 and diverged == 0``."""
 
-    def holds(self, values: Mapping[str, float]) -> bool:
-        """The truth of the condition for these numbers.
+    def holds(self, values: Mapping[str, Estimate | float]) -> Truth:
+        """The truth of the condition for these numbers; None where their intervals do not decide it.
 
         Raises:
             ArithmeticError: it divides by zero or leaves the range of numbers.
         """
-        return bool(_value(self._tree, values))
+        truth = _value(self._tree, _estimates(values))
+        return None if truth is None else bool(truth)
 
     def _check(self) -> None:
         if not self._is_truth(self._tree):
@@ -110,13 +118,22 @@ class Condition(_Expression):
 class Formula(_Expression):
     """A number such as ``100 * (1 - late / early)``."""
 
-    def value(self, values: Mapping[str, float]) -> float:
-        """The number for these numbers.
+    def estimate(self, values: Mapping[str, Estimate | float]) -> Estimate:
+        """The number for these numbers, with its interval.
 
         Raises:
             ArithmeticError: it divides by zero or leaves the range of numbers.
         """
-        return float(_value(self._tree, values))
+        found: Estimate = _value(self._tree, _estimates(values))
+        return found
+
+    def value(self, values: Mapping[str, Estimate | float]) -> float:
+        """The number alone.
+
+        Raises:
+            ArithmeticError: it divides by zero or leaves the range of numbers.
+        """
+        return self.estimate(values).value
 
     def _check(self) -> None:
         if self._is_truth(self._tree):
@@ -127,24 +144,41 @@ def _is_finite(constant: object) -> bool:
     return isinstance(constant, int | float) and not isinstance(constant, bool) and isfinite(constant)
 
 
-def _value(node: ast.expr, values: Mapping[str, float]) -> Any:
+def _estimates(values: Mapping[str, Estimate | float]) -> dict[str, Estimate]:
+    return {name: one if isinstance(one, Estimate) else exact(float(one)) for name, one in values.items()}
+
+
+def _not(truth: Truth) -> Truth:
+    return None if truth is None else not truth
+
+
+def _all_true(truths: Iterable[Truth]) -> Truth:
+    """Of Kleene's logic: false if one is, else undecided if one is; what comes after a false one is not looked at."""
+    decided: Truth = True
+    for truth in truths:
+        if truth is False:
+            return False
+        decided = None if truth is None else decided
+    return decided
+
+
+def _value(node: ast.expr, values: Mapping[str, Estimate]) -> Any:
     match node:
-        case ast.BoolOp(op=op, values=parts):
-            return (all if isinstance(op, ast.And) else any)(_value(part, values) for part in parts)
+        case ast.BoolOp(op=ast.And(), values=parts):
+            return _all_true(_value(part, values) for part in parts)
+        case ast.BoolOp(values=parts):
+            return _not(_all_true(_not(_value(part, values)) for part in parts))
         case ast.Compare(left=left, ops=ops, comparators=others):
             numbers = [_value(part, values) for part in (left, *others)]
             pairs = zip(ops, numbers[:-1], numbers[1:], strict=True)
-            return all(COMPARISONS[type(op)](a, b) for op, a, b in pairs)
+            return _all_true(COMPARISONS[type(op)](a, b) for op, a, b in pairs)
         case ast.UnaryOp(op=op, operand=operand):
             value = _value(operand, values)
-            return not value if isinstance(op, ast.Not) else -value if isinstance(op, ast.USub) else value
+            return _not(value) if isinstance(op, ast.Not) else value.negated() if isinstance(op, ast.USub) else value
         case ast.BinOp(left=left, op=op, right=right):
-            result = ARITHMETIC[type(op)](_value(left, values), _value(right, values))
-            if not isfinite(result):
-                raise OverflowError("beyond the range of numbers")
-            return result
+            return _value(left, values).apply(ARITHMETIC[type(op)], _value(right, values))
         case ast.Call(func=ast.Name(id=name), args=arguments):
             return FUNCTIONS[name](*(_value(argument, values) for argument in arguments))
         case ast.Name(id=name):
             return values[name]
-    return node.value  # type: ignore[attr-defined]
+    return exact(float(node.value))  # type: ignore[attr-defined]

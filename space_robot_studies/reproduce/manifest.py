@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+from pydantic import (
+    Field,
+    NonNegativeFloat,
+    NonNegativeInt,
+    PositiveFloat,
+    PositiveInt,
+    field_validator,
+    model_validator,
+)
 
 from space_robot_description.spec import Strict
 from space_robot_studies.campaign.distributions import Draw
@@ -13,7 +21,7 @@ from space_robot_studies.campaign.variation import VARY, Seeds, Vary, check_seed
 from space_robot_studies.reproduce.quantities import Measure, Number, Texts
 from space_robot_studies.reproduce.stability_map import StabilityMap
 
-Verdict = Literal["holds", "does not hold", "not checkable"]
+VERDICTS = ("holds", "does not hold", "too close", "not checkable", "study")
 Scale = Literal["linear", "log", "symlog"]
 # More bags than this fill a disk sooner than they are looked at.
 MAX_KEPT = 40
@@ -84,26 +92,65 @@ class RunGroup(Strict):
         return self
 
 
-class Claim(Strict):
-    """What the paper says, how it is checked, and what was found when the manifest was written."""
+class Value(Strict):
+    """One way to read what a paper leaves open."""
 
-    paper: str = Field(min_length=1, description="the paper's words")
+    set: dict[str, Any] = Field(default_factory=dict, description="overrides of the runs, dotted key -> value")
+    let: dict[str, float | str] = Field(
+        default_factory=dict, description="name -> number, or formula over the measures, for the condition"
+    )
+
+
+class Choice(Strict):
+    """Something a paper leaves open, or that is ours, and the plausible ways to read it."""
+
+    open: str = Field(min_length=1, description="what is open, and why each value is plausible")
+    ours: bool = Field(default=False, description="a threshold or setting of the project, not of the paper")
+    of: Texts | None = Field(default=None, description="groups that `set` changes; default: all that a claim measures")
+    values: dict[str, Value] = Field(min_length=2, description="name -> reading; the first is that of the figures")
+
+    @model_validator(mode="after")
+    def _same_names(self) -> Self:
+        names = [set(value.let) for value in self.values.values()]
+        if any(other != names[0] for other in names):
+            raise ValueError("every value gives the same names under let")
+        if not any(value.let or value.set for value in self.values.values()):
+            raise ValueError("no value gives set or let: nothing is chosen")
+        return self
+
+
+class Claim(Strict):
+    """What the paper says and how it is checked; without holds_if a study, which measures and judges nothing."""
+
+    RENAMED: ClassVar[Mapping[str, str]] = {"verdict": "expect"}
+
+    paper: str = Field(min_length=1, description="the paper's words; of a study what is asked")
+    hangs_on: tuple[str, ...] = Field(default=(), description="choices: the claim is judged in every reading of them")
     measures: dict[str, Measure] = Field(default_factory=dict, description="name -> number")
     derived: dict[str, str] = Field(default_factory=dict, description="name -> formula over the measures")
     holds_if: str = Field(default="", description="a condition over the measures")
     found: str = Field(default="", description="what was measured: a format string over the numbers, n and seeds")
-    verdict: Verdict = Field(description="the documented verdict; another one is an error")
+    expect: str = Field(
+        default="", description="the verdict that is expected: another one that is computed is an error"
+    )
     because: str = Field(default="", description="why, in a sentence or two")
+
+    @field_validator("expect")
+    @classmethod
+    def _verdict(cls, expect: str) -> str:
+        if expect and expect not in VERDICTS and not expect.startswith("depends on "):
+            raise ValueError(f"no verdict; accepted: {', '.join(VERDICTS)}, depends on CHOICE")
+        return expect
 
     @model_validator(mode="after")
     def _checkable(self) -> Self:
-        if self.verdict == "not checkable":
-            if self.measures or self.derived or self.holds_if or self.found:
-                raise ValueError("a claim that is not checkable has no measures, derived, holds_if or found")
+        if not self.measures:
+            if self.derived or self.holds_if or self.found or self.hangs_on:
+                raise ValueError("a claim without measures has no derived, holds_if, found or hangs_on")
             if not self.because:
-                raise ValueError("a claim that is not checkable says because")
-        elif not (self.measures and self.holds_if and self.found):
-            raise ValueError("a checkable claim has measures, holds_if and found")
+                raise ValueError("a claim without measures is not checkable and says because")
+        elif not self.found:
+            raise ValueError("a claim with measures says what was found")
         return self
 
 
@@ -208,4 +255,5 @@ class Manifest(Strict):
     title: str
     citation: str
     notes: str = Field(default="", description="on top of the page: what the paper leaves open")
+    choices: dict[str, Choice] = Field(default_factory=dict, description="name -> what is open, for claims to hang on")
     figures: dict[str, Figure] = Field(min_length=1, description="number or name -> figure")

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_studies.reproduce.estimate import Estimate, bootstrap, exact, share_of
 from space_robot_studies.reproduce.manifest import Bounds
-from space_robot_studies.reproduce.plan import PlannedRun
+from space_robot_studies.reproduce.planner import PlannedRun
 from space_robot_studies.reproduce.quantities import Measure, Number, Partners, Quantity
-from space_robot_studies.reproduce.run_data import RunData
+from space_robot_studies.reproduce.run_data import OUTCOMES, RunData
 
 TAKES: dict[str, Callable[[Vector], float]] = {
     "final": lambda x: float(x[-1]),
@@ -21,17 +22,15 @@ TAKES: dict[str, Callable[[Vector], float]] = {
     "rms": lambda x: float(np.sqrt(np.mean(x**2))),
     "max_abs": lambda x: float(np.abs(x).max()),
 }
-REDUCTIONS: dict[str, Callable[[Vector], float]] = {
-    "min": lambda x: float(x.min()),
-    "max": lambda x: float(x.max()),
-    "mean": lambda x: float(x.mean()),
-    "median": lambda x: float(np.median(x)),
-    "std": lambda x: float(x.std()),
-    "sum": lambda x: float(x.sum()),
-    "count": lambda x: float(x.size),
+REDUCTIONS: dict[str, Callable[[Vector], Estimate]] = {
+    "min": lambda x: exact(float(x.min())),
+    "max": lambda x: exact(float(x.max())),
+    "mean": lambda x: bootstrap(x, np.mean),
+    "median": lambda x: bootstrap(x, np.median),
+    "std": lambda x: exact(float(x.std())),
+    "sum": lambda x: exact(float(x.sum())),
 }
-OF_NONE = ("sum", "count")
-
+OF_NONE = ("sum",)
 
 FinishedRun = tuple[PlannedRun, RunData]
 
@@ -41,16 +40,21 @@ class Measured:
     """A number over runs.
 
     Attributes:
-        value: None if there is none; then ``why`` says why.
+        estimate: with its interval; None if there is none, then ``why`` says why.
         runs: how many there are.
         without: labels of runs that lack the number.
         why: no value.
     """
 
-    value: float | None
+    estimate: Estimate | None
     runs: int
     without: tuple[str, ...] = ()
     why: str = ""
+
+    @property
+    def value(self) -> float | None:
+        """The number alone."""
+        return None if self.estimate is None else self.estimate.value
 
 
 def take(quantity: Quantity, time: Vector, signal: Vector) -> float | None:
@@ -77,12 +81,19 @@ def take(quantity: Quantity, time: Vector, signal: Vector) -> float | None:
 
 def select(measure: Measure, runs: Sequence[PlannedRun]) -> list[PlannedRun]:
     """The runs a measure is over."""
-    return [
-        run
-        for run in runs
-        if run.group in measure.groups
-        and all(key in run.values and run.values[key] == value for key, value in measure.where.items())
-    ]
+    return [run for run in runs if run.group in measure.groups and run.has(measure.where)]
+
+
+def selected(measure: Measure, runs: Sequence[FinishedRun]) -> list[FinishedRun]:
+    """Of finished runs those a measure is over."""
+    return [pair for pair in runs if select(measure, [pair[0]])]
+
+
+def divisors(measure: Measure, runs: Sequence[FinishedRun]) -> dict[int, RunData] | None:
+    """By seed the runs that ``over`` divides by, of the same ``where``; None if it divides by none."""
+    if not measure.over:
+        return None
+    return {run.seed: data for run, data in runs if run.group == measure.over and run.has(measure.where)}
 
 
 def paired(
@@ -100,10 +111,21 @@ def _all_have(wanted: Partners, seed: int, runs: Sequence[FinishedRun], bounds: 
     return everywhere and all(data.number(wanted.quantity, bounds) is not None for _, data in partners)
 
 
-def reduce(number: Number, runs: Sequence[FinishedRun], bounds: Bounds) -> Measured:
-    """The number over these runs; a run without it is refused, left out or replaced, as ``missing`` says."""
-    found = [(run.label, data.number(number.quantity, bounds)) for run, data in runs]
+def reduce(
+    number: Number, runs: Sequence[FinishedRun], bounds: Bounds, partners: Mapping[int, RunData] | None = None
+) -> Measured:
+    """The number over these runs; a run without it is refused, left out or replaced, as ``missing`` says.
+
+    Args:
+        number: what it is of each, and how many become one.
+        runs: finished.
+        bounds: beyond which they have diverged.
+        partners: by seed, if each number is to be divided by that of its partner.
+    """
+    found = [(run.label, _of_run(number, run.seed, data, bounds, partners)) for run, data in runs]
     without = tuple(label for label, value in found if value is None)
+    if number.reduce in ("count", "share"):
+        return Measured(_counted(number, [value for _, value in found]), len(runs), without)
     if without and number.missing == "refuse":
         more = f" and {len(without) - 1} more" if len(without) > 1 else ""
         return Measured(None, len(runs), without, f"{without[0]}{more} without {number.quantity}")
@@ -111,7 +133,29 @@ def reduce(number: Number, runs: Sequence[FinishedRun], bounds: Bounds) -> Measu
     values = np.array([value for _, value in found if value is not None] + substitute)
     if values.size == 0 and number.reduce not in OF_NONE:
         return Measured(None, len(runs), without, f"no run has {number.quantity}")
-    value = REDUCTIONS[number.reduce](values) if number.reduce else float(values[0])
-    if not np.isfinite(value):
+    estimate = REDUCTIONS[number.reduce](values) if number.reduce else exact(float(values[0]))
+    if not np.isfinite(estimate.value):
         return Measured(None, len(runs), without, f"{number.reduce} of {number.quantity} overflows")
-    return Measured(value, len(runs), without)
+    if number.reduce == "sum" and number.metric in OUTCOMES:
+        estimate = replace(estimate, of=len(runs))
+    return Measured(estimate, len(runs), without)
+
+
+def _of_run(
+    number: Number, seed: int, data: RunData, bounds: Bounds, partners: Mapping[int, RunData] | None
+) -> float | None:
+    value = data.number(number.quantity, bounds)
+    if partners is None or value is None:
+        return value
+    other = partners[seed].number(number.quantity, bounds) if seed in partners else None
+    return value / other if other else None
+
+
+def _counted(number: Number, values: Sequence[float | None]) -> Estimate:
+    """How many runs have the number, or of an outcome how many have come to it, as a count or a share."""
+    count = sum(value is not None for value in values)
+    if number.reduce == "count" or not values:
+        return replace(exact(float(count)), of=len(values))
+    if number.metric in OUTCOMES:
+        count = sum(bool(value) for value in values)
+    return share_of(count, len(values))

@@ -13,7 +13,7 @@ from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_studies.engine.local_workers import LocalWorkers
 from space_robot_studies.engine.tasks import Lost, Task
-from space_robot_studies.reproduce.plan import PlannedRun
+from space_robot_studies.reproduce.planner import PlannedRun
 from space_robot_studies.reproduce.run_data import OUTCOMES
 from space_robot_studies.reproduce.signals import signal_names
 

@@ -10,7 +10,7 @@ from pydantic import Field, NonNegativeFloat, PositiveFloat, model_validator
 from space_robot_description.spec import Strict
 
 Takes = Literal["final", "max", "min", "mean", "rms", "max_abs", "integral", "settled"]
-Reductions = Literal["min", "max", "mean", "median", "std", "sum", "count"]
+Reductions = Literal["min", "max", "mean", "median", "std", "sum", "count", "share"]
 Texts = Annotated[tuple[str, ...], Field(min_length=1)]
 
 
@@ -99,7 +99,14 @@ class Partners(OfGroups):
 class Measure(Number, OfGroups):
     """A number over the runs of one or more groups of the figure."""
 
+    over: str = Field(default="", description="group: each number is divided by that of the run of the same seed there")
     where: dict[str, Any] = Field(default_factory=dict, description="only runs whose set or varied key has this value")
     only_if: Partners | None = Field(
         default=None, description="only runs whose partners of the same seed have this number: pairs, not two samples"
     )
+
+    @property
+    def all_groups(self) -> tuple[str, ...]:
+        """Every group it needs runs of."""
+        partners = self.only_if.groups if self.only_if is not None else ()
+        return tuple(dict.fromkeys((*self.groups, *partners, *((self.over,) if self.over else ()))))

@@ -23,6 +23,7 @@ from space_robot_studies.reproduce.jobs import job_of
 from space_robot_studies.reproduce.manifest import Figure
 from space_robot_studies.reproduce.measures import FinishedRun
 from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
+from space_robot_studies.reproduce.planner import PlannedRun
 from space_robot_studies.reproduce.run import Job, run_job
 from space_robot_studies.reproduce.run_data import RunData
 from space_robot_studies.reproduce.timing import CycleTimes, time_law
@@ -38,6 +39,7 @@ class FigureResult:
         name: number or name.
         figure: from the manifest.
         runs: in order.
+        read: runs that only readings of its claims have.
         times: cycle times by group, where the figure has a timing table.
         judgements: of the claims, in order.
     """
@@ -45,17 +47,18 @@ class FigureResult:
     name: str
     figure: Figure
     runs: tuple[FinishedRun, ...]
+    read: tuple[FinishedRun, ...]
     times: dict[str, CycleTimes]
     judgements: tuple[Judgement, ...]
 
     @property
     def failures(self) -> list[FinishedRun]:
-        """Runs that failed though the manifest does not expect it; a lost run is expected by none."""
-        return [
-            (run, data)
-            for run, data in self.runs
-            if not data.completed and (data.lost or not self.figure.runs[run.group].may_fail)
+        """Runs that failed unexpectedly; that the run of a reading fails is a result, that a run is lost never is."""
+        expected = [
+            *((pair, self.figure.runs[pair[0].group].may_fail) for pair in self.runs),
+            *((p, True) for p in self.read),
         ]
+        return [pair for pair, may_fail in expected if not pair[1].completed and (pair[1].lost or not may_fail)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,11 +240,12 @@ def _robot(experiment: Experiment, known: dict[str, Mapping[str, Any]]) -> Mappi
 
 def _figure(plan: Plan, name: str, data: Mapping[str, RunData], times: dict[str, CycleTimes]) -> FigureResult:
     figure = plan.manifest.figures[name]
-    runs = []
-    for run in (run for group in plan.runs[name].values() for run in group):
+
+    def finished(run: PlannedRun) -> RunData:
         one = data[run.distinct.name]
-        if run.group in times:
-            one = replace(one, cycle_times=times[run.group].metrics())
-        runs.append((run, one))
-    judgements = tuple(judge(claim, figure, runs) for claim in figure.claims)
-    return FigureResult(name, figure, tuple(runs), times, judgements)
+        return replace(one, cycle_times=times[run.group].metrics()) if run.group in times else one
+
+    runs, read = (tuple((run, finished(run)) for run in part) for part in (plan.shown(name), plan.only_read(name)))
+    claims = zip(figure.claims, plan.read[name], strict=True)
+    judgements = tuple(judge(claim, figure, readings, finished) for claim, readings in claims)
+    return FigureResult(name, figure, runs, read, times, judgements)

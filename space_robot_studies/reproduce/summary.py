@@ -4,21 +4,32 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from space_robot_bringup.compose.composition import versions
 from space_robot_studies.engine.journal import RUNS
-from space_robot_studies.reproduce.claims import Judgement, seed_text
-from space_robot_studies.reproduce.manifest import Figure, Table
+from space_robot_studies.reproduce.claims import Judgement, ReadingJudgement, seed_text
+from space_robot_studies.reproduce.manifest import Choice, Claim, Figure, Table
 from space_robot_studies.reproduce.measures import FinishedRun, Measured, reduce
-from space_robot_studies.reproduce.plan import Plan, PlannedRun, run_label
+from space_robot_studies.reproduce.plan import Plan
+from space_robot_studies.reproduce.planner import PlannedRun, run_label
 from space_robot_studies.reproduce.quantities import Measure
+from space_robot_studies.reproduce.readings import CLOSE, DEPENDS, FAILS, HOLDS, NOT_CHECKABLE, STUDY, UNDECIDED
 from space_robot_studies.reproduce.reproduction import FigureResult, passed
 
 Data = dict[str, Any]
-STYLES = {"holds": "green", "does not hold": "yellow", "not checkable": "dim", "undecided": "red"}
+# Of a verdict without the choices that it depends on.
+STYLES = {
+    HOLDS: "green",
+    FAILS: "yellow",
+    DEPENDS: "cyan",
+    CLOSE: "magenta",
+    NOT_CHECKABLE: "dim",
+    STUDY: "dim",
+    UNDECIDED: "red",
+}
 
 
 def summary(plan: Plan, finished: Sequence[FigureResult], pictures: dict[str, str]) -> Data:
@@ -37,13 +48,13 @@ def summary(plan: Plan, finished: Sequence[FigureResult], pictures: dict[str, st
         "citation": manifest.citation,
         "notes": manifest.notes,
         "passed": passed(finished),
-        "runs": len({run.distinct.name for figure in finished for run, _ in figure.runs}),
+        "runs": len({run.distinct.name for figure in finished for run, _ in (*figure.runs, *figure.read)}),
         "versions": versions(),
-        "figures": [_figure(figure, pictures.get(figure.name)) for figure in finished],
+        "figures": [_figure(figure, pictures.get(figure.name), manifest.choices) for figure in finished],
     }
 
 
-def _figure(finished: FigureResult, picture: str | None) -> Data:
+def _figure(finished: FigureResult, picture: str | None, choices: Mapping[str, Choice]) -> Data:
     failed = [run.label for run, _ in finished.failures]
     return {
         "name": finished.name,
@@ -51,28 +62,45 @@ def _figure(finished: FigureResult, picture: str | None) -> Data:
         "kind": finished.figure.kind,
         "caption": finished.figure.caption,
         "picture": picture,
-        "claims": [_claim(judgement) for judgement in finished.judgements],
+        "claims": [_claim(judgement, choices) for judgement in finished.judgements],
         "tables": [_table(table, finished) for table in finished.figure.tables],
         "timing": {group: asdict(times) for group, times in finished.times.items()},
-        "runs": [_run(pair, finished.figure) for pair in finished.runs],
+        "runs": [_run(pair, finished.figure) for pair in (*finished.runs, *finished.read)],
         "failed": failed,
     }
 
 
-def _claim(judgement: Judgement) -> Data:
-    claim = judgement.claim
+def _claim(judgement: Judgement, choices: Mapping[str, Choice]) -> Data:
+    claim, verdict = judgement.claim, judgement.verdict
     return {
         "paper": claim.paper,
-        "verdict": judgement.verdict,
-        "documented": claim.verdict,
+        "verdict": verdict,
+        "kind": DEPENDS if verdict.startswith(DEPENDS) else verdict,
+        "deciding": judgement.deciding if judgement.readings else [],
+        "expected": claim.expect,
         "changed": judgement.changed,
-        "found": judgement.found,
         "because": claim.because,
         "condition": claim.holds_if,
-        "measures": {name: _measure(claim.measures[name], measured) for name, measured in judgement.measured.items()},
-        "runs": judgement.runs,
-        "seeds": seed_text(judgement.seeds),
-        "draws": seed_text(judgement.draws),
+        "choices": {name: _choice(choices[name]) for name in claim.hangs_on},
+        "readings": [_reading(claim, one) for one in judgement.readings],
+    }
+
+
+def _choice(choice: Choice) -> Data:
+    return {"open": choice.open, "ours": choice.ours, "values": list(choice.values)}
+
+
+def _reading(claim: Claim, one: ReadingJudgement) -> Data:
+    return {
+        "label": one.reading.label,
+        "values": dict(one.reading.values),
+        "let": one.reading.let,
+        "verdict": one.verdict,
+        "found": one.found,
+        "measures": {name: _measure(claim.measures[name], measured) for name, measured in one.measured.items()},
+        "runs": one.runs,
+        "seeds": seed_text(one.seeds),
+        "draws": seed_text(one.draws),
     }
 
 
@@ -80,12 +108,12 @@ def _measure(measure: Measure, measured: Measured) -> Data:
     where = "".join(f", {key} = {value}" for key, value in measure.where.items())
     if (partners := measure.only_if) is not None:
         where += f", where {', '.join(partners.groups)} have {partners.quantity} at the same seed"
-    meaning = f"{measure.quantity} of {', '.join(measure.groups)}{where}"
+    over = f" over that of the same seed in {measure.over}" if measure.over else ""
+    meaning = f"{measure.quantity} of {', '.join(measure.groups)}{over}{where}"
     return {
         "quantity": str(measure.quantity),
         "meaning": f"{measure.reduce}: {meaning}" if measure.reduce else meaning,
-        "value": measured.value,
-        "runs": measured.runs,
+        **_estimate(measured),
         "without": list(measured.without),
         "missing": measure.missing,
         "why": measured.why,
@@ -105,7 +133,8 @@ def _table(table: Table, finished: FigureResult) -> Data:
         "title": table.title,
         "columns": list(table.columns),
         "digits": table.digits,
-        "rows": {row: [_cell(one) for one in found] for row, found in cells.items()},
+        "rows": {row: [_cell(one, table.digits) for one in found] for row, found in cells.items()},
+        "runs": {row: len(members) for row, members in rows.items()},
     }
 
 
@@ -118,8 +147,17 @@ def _row(table: Table, run: PlannedRun, figure: Figure) -> str:
     return run_label(run.group, {key: run.values[key] for key in figure.runs[run.group].vary})
 
 
-def _cell(measured: Measured) -> Data:
-    return {"value": measured.value, "runs": measured.runs, "without": len(measured.without)}
+def _cell(measured: Measured, digits: int) -> Data:
+    text = (
+        "-" if measured.estimate is None else format(measured.estimate, "" if measured.estimate.of else f".{digits}g")
+    )
+    return {**_estimate(measured), "without": len(measured.without), "text": text}
+
+
+def _estimate(measured: Measured) -> Data:
+    one = measured.estimate
+    low, high = (None, None) if one is None or one.exact else (one.low, one.high)
+    return {"value": measured.value, "low": low, "high": high, "runs": measured.runs}
 
 
 def _run(pair: FinishedRun, figure: Figure) -> Data:
@@ -153,15 +191,20 @@ def heading(figure: Data) -> str:
 
 def count(data: Data) -> str:
     """How many claims have which verdict, from how many runs."""
-    verdicts = [claim["verdict"] for figure in data["figures"] for claim in figure["claims"]]
+    claims = [claim for figure in data["figures"] for claim in figure["claims"]]
+    verdicts = [claim["kind"] for claim in claims if claim["kind"] != STUDY]
     if not verdicts:
         return f"no claims, {data['runs']} runs"
-    parts = [f"{verdicts.count(verdict)} {verdict}" for verdict in STYLES if verdict in verdicts]
+    parts = [f"{verdicts.count(kind)} {_plural(kind)}" for kind in STYLES if kind in verdicts]
     return f"{len(verdicts)} claims ({', '.join(parts)}) from {data['runs']} runs"
 
 
-def sample(claim: Data) -> str:
-    """How many runs a claim is about, and which seeds or draws of a campaign they have."""
-    runs = "1 run" if claim["runs"] == 1 else f"{claim['runs']} runs"
-    sources = [f"{kind} {claim[f'{kind}s']}" for kind in ("seed", "draw") if claim[f"{kind}s"]]
+def _plural(kind: str) -> str:
+    return f"{kind} a choice" if kind == DEPENDS else kind
+
+
+def sample(reading: Data) -> str:
+    """How many runs a reading of a claim is about, and which seeds or draws of a campaign they have."""
+    runs = "1 run" if reading["runs"] == 1 else f"{reading['runs']} runs"
+    sources = [f"{kind} {reading[f'{kind}s']}" for kind in ("seed", "draw") if reading[f"{kind}s"]]
     return ", ".join([runs, *sources])

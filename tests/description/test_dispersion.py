@@ -79,6 +79,19 @@ def test_eta_is_three_standard_deviations() -> None:
     assert ratio.std() == pytest.approx(0.1, rel=5 / np.sqrt(2 * ratio.size))
 
 
+def test_eta_may_be_a_variance() -> None:
+    """With ``eta_is: variance`` a parameter strays by sqrt(eta abs(pi) / 3), whatever its sign; zero stays zero."""
+    robot, rng = load_robot("mini"), np.random.default_rng(0)
+    nominal = inertial_parameters(robot)
+    dispersion = _dispersion(eta=0.3, eta_is="variance", inconsistent="keep")
+    drawn = np.array([inertial_parameters(disperse(robot, dispersion, rng)) for _ in range(300)])
+    there = nominal != 0.0
+    score = (drawn - nominal)[:, there] / np.sqrt(0.1 * np.abs(nominal[there]))
+    assert score.mean() == pytest.approx(0.0, abs=5 / np.sqrt(score.size))
+    assert score.std() == pytest.approx(1.0, rel=5 / np.sqrt(2 * score.size))
+    assert not drawn[:, ~there].any()
+
+
 def test_keep_lets_impossible_bodies_pass_unchanged() -> None:
     """With `keep` the ten drawn numbers arrive as drawn, possible or not."""
     robot = load_robot("mini")

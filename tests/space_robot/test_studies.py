@@ -41,7 +41,7 @@ figures:
         measures: {late: {signal: base.error, take: max, after: 5.0, of: real}}
         holds_if: late < 1
         found: "{late:.2f} deg"
-        verdict: holds
+        expect: holds
 """
 
 

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import Literal, Self
 
-from pydantic import ConfigDict, Field, NonNegativeFloat, PositiveFloat, PositiveInt, model_validator
+import numpy as np
+from pydantic import (
+    ConfigDict,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    PositiveInt,
+    field_validator,
+    model_validator,
+)
 
 from space_robot_control.per_dof import Axes, Joints, PerDof
 from space_robot_description.fields import DYNAMIC
@@ -80,6 +89,11 @@ class AdaptiveGains(Strict):
         description="K_D = kappa M(pi_0, Theta_0) [1/s, lambda_on velocity: 1/s2]",
         json_schema_extra=DYNAMIC,
     )
+    damping_inertia: tuple[tuple[float, ...], ...] | None = Field(
+        default=None,
+        description="K_D = kappa times this symmetric positive definite matrix instead of M(pi_0, Theta_0): rows of "
+        "yaw, pitch, roll, joints, after x, y, z of a base that is actuated [kg m2, kg]",
+    )
     lead: bool = Field(
         default=False, description="reference and state half a period ahead, against the delay of held commands"
     )
@@ -94,6 +108,17 @@ class AdaptiveGains(Strict):
     pitch_limit_deg: float = Field(
         default=80.0, gt=0.0, lt=90.0, description="largest |pitch|; beyond, Euler angles are refused [deg]"
     )
+
+    @field_validator("damping_inertia")
+    @classmethod
+    def _positive_definite(cls, rows: tuple[tuple[float, ...], ...] | None) -> tuple[tuple[float, ...], ...] | None:
+        if rows is not None:
+            if any(len(row) != len(rows) for row in rows):
+                raise ValueError("not square")
+            matrix = np.array(rows)
+            if not np.allclose(matrix, matrix.T, rtol=1e-9, atol=0.0) or np.linalg.eigvalsh(matrix)[0] <= 0.0:
+                raise ValueError("not symmetric and positive definite")
+        return rows
 
     @model_validator(mode="after")
     def _proven(self) -> Self:

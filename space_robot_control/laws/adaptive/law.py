@@ -20,7 +20,7 @@ from space_robot_control.laws.adaptive.review import AdaptiveReview
 from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_description.kernel.cache import cached
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import ControlError
+from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
 
@@ -88,6 +88,7 @@ class Adaptive(Law):
         self.regressor = Regressor(robot)
         self._cycle = Cycle(robot, self.gains, control_period)
         self._first = self._cycle.rule.first
+        self._check_damping(len(self._cycle.rule.k_d))
         self._pitch_limit = radians(self.gains.pitch_limit_deg)
         self.reset()
 
@@ -159,6 +160,8 @@ class Adaptive(Law):
         return momentum if self.gains.gyroscopic else np.zeros(3)
 
     def _first_mass_matrix(self, x: Vector) -> Vector:
+        if self.gains.damping_inertia is not None:
+            return np.array(self.gains.damping_inertia)
         matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)
         lowest = float(np.linalg.eigvalsh(matrix)[0])
         if not lowest > 0.0:
@@ -169,6 +172,12 @@ class Adaptive(Law):
                 accepted="eigenvalues > 0: a prior nearer to a robot that can exist",
             )
         return matrix
+
+    def _check_damping(self, size: int) -> None:
+        given = self.gains.damping_inertia
+        if given is not None and len(given) != size:
+            key = "controller.gains.damping_inertia"
+            raise SpecError("not of the size of this robot", key=key, value=len(given), accepted=f"{size} rows")
 
     def _check_pitch(self, x: Vector) -> None:
         pitch = float(x[PITCH])

@@ -9,7 +9,7 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_studies.reproduce.manifest import Figure, Panel
-from space_robot_studies.reproduce.plan import DistinctRun, PlannedRun
+from space_robot_studies.reproduce.planner import DistinctRun, PlannedRun
 from space_robot_studies.reproduce.reproduction import FigureResult
 from space_robot_studies.reproduce.run_data import RunData
 

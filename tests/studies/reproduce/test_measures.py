@@ -11,11 +11,12 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_msgs_py.errors import SpecError
-from space_robot_studies.reproduce.claims import UNDECIDED, check_words, judge, seed_text
+from space_robot_studies.reproduce.claims import Judgement, check_words, judge, seed_text
 from space_robot_studies.reproduce.manifest import Bounds, Claim, Figure
 from space_robot_studies.reproduce.measures import FinishedRun, reduce, select, take
-from space_robot_studies.reproduce.plan import DistinctRun, PlannedRun
+from space_robot_studies.reproduce.planner import DistinctRun, PlannedRun, ReadingRuns
 from space_robot_studies.reproduce.quantities import Measure, Number, Quantity
+from space_robot_studies.reproduce.readings import UNDECIDED, Reading
 from space_robot_studies.reproduce.run_data import RunData
 from space_robot_studies.reproduce.timing import CycleTimes
 
@@ -46,9 +47,18 @@ def claim(**keys: Any) -> Claim:
         "measures": {"slowest": {"metric": "settling", "of": "all", "reduce": "max"}},
         "holds_if": "slowest < 5",
         "found": "{slowest:.1f} s over {n} runs, seeds {seeds}",
-        "verdict": "holds",
+        "expect": "holds",
     }
     return Claim.model_validate(base | keys)
+
+
+def judged(one: Claim, runs: list[FinishedRun]) -> Judgement:
+    """The claim on these runs, in its only reading."""
+    groups: dict[str, tuple[PlannedRun, ...]] = {}
+    for run, _ in runs:
+        groups[run.group] = (*groups.get(run.group, ()), run)
+    left = {run.label: data for run, data in runs}
+    return judge(one, figure(one), [ReadingRuns(Reading({}, {}), groups)], lambda run: left[run.label])
 
 
 def test_reductions_are_those_of_numpy() -> None:
@@ -127,29 +137,30 @@ def test_where_picks_the_runs_with_a_value() -> None:
 def test_a_claim_is_decided_by_its_condition() -> None:
     """The verdict is measured, never taken from the manifest; a difference is a change."""
     fast, slow = finished(data(1.0), data(2.0)), finished(data(1.0), data(9.0))
-    held = judge(claim(), figure(claim()), fast)
+    held = judged(claim(), fast)
     assert (held.verdict, held.changed) == ("holds", False)
-    assert held.found == "2.0 s over 2 runs, seeds 0-1"
-    failed = judge(claim(), figure(claim()), slow)
+    assert held.readings[0].found == "2.0 s over 2 runs, seeds 0-1"
+    failed = judged(claim(), slow)
     assert (failed.verdict, failed.changed) == ("does not hold", True)
-    assert not judge(claim(verdict="does not hold"), figure(claim()), slow).changed
+    assert not judged(claim(expect="does not hold"), slow).changed
 
 
 def test_a_claim_without_its_numbers_is_undecided_and_so_changed() -> None:
     """A missing number, or a condition without a value, is no verdict at all."""
-    missing = judge(claim(), figure(claim()), finished(data(None)))
+    missing = judged(claim(), finished(data(None)))
     assert (missing.verdict, missing.changed) == (UNDECIDED, True)
     divided = claim(holds_if="1 / (slowest - slowest) > 0")
-    assert judge(divided, figure(divided), finished(data(1.0))).verdict == UNDECIDED
+    assert judged(divided, finished(data(1.0))).verdict == UNDECIDED
 
 
 def test_a_claim_that_cannot_be_checked_stays_so() -> None:
     """Not checkable needs a reason, takes no measures, and is never a change."""
-    words = {"paper": "It is nice.", "verdict": "not checkable"}
+    words = {"paper": "It is nice.", "expect": "not checkable"}
     one = Claim.model_validate(words | {"because": "No number is given."})
-    assert not judge(one, figure(one), finished(data())).changed
+    assert not judged(one, finished(data())).changed
+    assert judged(one.model_copy(update={"expect": "holds"}), finished(data())).changed
     for wrong in ({}, {"because": "x", "holds_if": "1 < 2"}):
-        with pytest.raises(ValueError, match="not checkable"):
+        with pytest.raises(ValueError, match="without measures"):
             Claim.model_validate(words | wrong)
 
 
@@ -157,8 +168,8 @@ def test_a_claim_may_use_cycle_times() -> None:
     """A cycle time is a number of the runs of the timing table; without it the claim is undecided."""
     timed = claim(measures={"slowest": {"timing": "median", "of": "all"}}, holds_if="slowest < 1000")
     times = CycleTimes(30.0, 20.0, 90.0, 100).metrics()
-    assert judge(timed, figure(timed), finished(data(cycle_times=times))).found.startswith("20.0 s")
-    assert judge(timed, figure(timed), finished(data())).verdict == UNDECIDED
+    assert judged(timed, finished(data(cycle_times=times))).readings[0].found.startswith("20.0 s")
+    assert judged(timed, finished(data())).verdict == UNDECIDED
 
 
 @pytest.mark.parametrize(
@@ -175,9 +186,9 @@ def test_a_claim_may_use_cycle_times() -> None:
 def test_words_of_a_claim_are_checked_before_the_runs(change: dict[str, Any], word: str) -> None:
     """Condition and text name only what there is."""
     with pytest.raises(SpecError, match="figures"):
-        check_words(claim(**change), "figures.8.claims.0")
+        check_words(claim(**change), {}, "figures.8.claims.0")
     with pytest.raises(SpecError, match=word):
-        check_words(claim(**change), "figures.8.claims.0")
+        check_words(claim(**change), {}, "figures.8.claims.0")
 
 
 def test_seeds_are_written_shortly() -> None:
@@ -220,28 +231,28 @@ def test_pairs_are_judged_where_both_have_the_number() -> None:
         holds_if="both < all",
         found="{both:.0f} of {all:.0f}",
     )
-    assert judge(both, figure(both), [*quick, *slow]).found == "5 of 12"
+    assert judged(both, [*quick, *slow]).readings[0].found == "5 of 12"
     no_partner = claim(measures={"slowest": measure | {"only_if": {"metric": "settling", "of": ["slow", "absent"]}}})
-    assert judge(no_partner, figure(no_partner), slow).found.startswith("0.0 s over 0 runs")
+    assert judged(no_partner, slow).readings[0].found.startswith("0.0 s over 0 runs")
 
 
 def test_derived_numbers_are_formulas_over_the_measures() -> None:
     """A claim may speak of a saving: computed once, usable in condition and text, undecided where it has no value."""
     saving = claim(derived={"saving": "100 * (1 - slowest / 8)"}, holds_if="saving > 50", found="{saving:.0f} %")
-    assert judge(saving, figure(saving), finished(data(2.0))).found == "75 %"
+    assert judged(saving, finished(data(2.0))).readings[0].found == "75 %"
     nothing = claim(derived={"part": "1 / (slowest - slowest)"}, holds_if="part > 50")
-    assert judge(nothing, figure(nothing), finished(data(2.0))).verdict == UNDECIDED
+    assert judged(nothing, finished(data(2.0))).verdict == UNDECIDED
     for wrong in ({"n": "1 + 1"}, {"slowest": "1 + 1"}, {"part": "other * 2"}):
         with pytest.raises(SpecError, match="figures"):
-            check_words(claim(derived=wrong), "figures.8.claims.0")
+            check_words(claim(derived=wrong), {}, "figures.8.claims.0")
 
 
 def test_draws_of_a_campaign_are_counted_as_such() -> None:
     """Runs of a campaign are identified by their number, not by a drawn seed of sixteen digits."""
     runs = finished(data(1.0), data(2.0))
     cases = [(replace(run, values={"run": place}), one) for place, (run, one) in enumerate(runs)]
-    judged = judge(claim(), figure(claim()), cases)
-    assert (judged.seeds, judged.draws) == ((), (0, 1))
+    (one,) = judged(claim(), cases).readings
+    assert (one.seeds, one.draws) == ((), (0, 1))
 
 
 def test_a_run_comes_back_from_plain_data_to_the_last_bit() -> None:

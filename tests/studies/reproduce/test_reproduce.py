@@ -51,15 +51,15 @@ figures:
         measures: {late: {signal: base.error, take: max, after: 5.0, of: [real, prior], reduce: max}}
         holds_if: late < 1
         found: "{late:.2f} deg after 5 s in {n} runs"
-        verdict: holds
+        expect: holds
       - paper: Wrong parameters make it diverge.
         measures: {diverged: {metric: diverged, of: prior, reduce: sum}}
         holds_if: diverged >= 1
         found: "{diverged:.0f} of {n} diverge"
-        verdict: does not hold
+        expect: does not hold
         because: Twenty percent are little.
       - paper: It is elegant.
-        verdict: not checkable
+        expect: not checkable
         because: No number is given.
   gain:
     title: A varied gain
@@ -144,7 +144,7 @@ def test_the_command_of_a_run_gives_its_bag(space_robot: Tool, tmp_path: Path) -
         words = shlex.split(run["command"])
         assert words[:2] == ["space-robot", "run"]
         # Its own exit code is the verdict of the experiment's bounds, which this manifest shortens.
-        assert space_robot(*words[1:], "--out", "alone").returncode in (0, 1)
+        assert space_robot(*words[1:], "--out", "alone", "--overwrite").returncode in (0, 1)
         (alone,), (bag,) = (tmp_path / "alone").glob("*.mcap"), (tmp_path / "out/paper" / run["bag"]).glob("*.mcap")
         assert alone.read_bytes() == bag.read_bytes()
 
@@ -152,9 +152,14 @@ def test_the_command_of_a_run_gives_its_bag(space_robot: Tool, tmp_path: Path) -
 def test_the_page_has_everything_and_needs_nothing(space_robot: Tool, tmp_path: Path) -> None:
     """Every figure with its picture, claim, verdict and command is on one page that loads no other file."""
     write(tmp_path)
+    (tmp_path / "claims.md").write_text("before\n<!-- claims: how -->\nstale\n<!-- end -->\nafter\n")
     done = space_robot("reproduce", "paper.yaml", "--markdown", "claims.md")
     assert done.returncode == 0
-    row = "| 8 | Wrong parameters make it diverge. | does not hold | 0 of 2 diverge (2 runs, seed 1-2); Twenty percent"
+    around = (tmp_path / "claims.md").read_text()
+    assert around.startswith("before\n<!-- claims: how -->\n\n| figure |")
+    assert around.endswith("\n\n<!-- end -->\nafter\n")
+    assert "stale" not in around
+    row = "| 8 | Wrong parameters make it diverge. | **does not hold** | 0 of 2 diverge (2 runs, seed 1-2); Twenty"
     assert row in (tmp_path / "claims.md").read_text()
     page = (tmp_path / "out" / "paper" / "index.html").read_text()
     assert page.count('<img src="data:image/png;base64,') == 2
@@ -190,8 +195,8 @@ def test_a_changed_verdict_exits_1(space_robot: Tool, tmp_path: Path) -> None:
     write(tmp_path, MANIFEST.replace("late < 1\n", "late < 0\n"))
     done = space_robot("reproduce", "paper.yaml", "--figure", "8")
     assert done.returncode == 1
-    assert "CHANGED: documented as 'holds'" in done.stdout
-    assert "documented: holds" in (tmp_path / "out" / "paper" / "index.html").read_text()
+    assert "CHANGED: expected 'holds'" in done.stdout
+    assert "expected: holds" in (tmp_path / "out" / "paper" / "index.html").read_text()
 
 
 def test_a_failed_run_has_diverged_and_fails_unless_expected(space_robot: Tool, tmp_path: Path) -> None:
@@ -206,7 +211,7 @@ def test_a_failed_run_has_diverged_and_fails_unless_expected(space_robot: Tool, 
         },
         "holds_if": "diverged == 2 and settled == 0",
         "found": "{diverged:.0f} of {n} diverge",
-        "verdict": "holds",
+        "expect": "holds",
     }
     for may_fail, code in ((False, 1), (True, 0)):
         runs = {"bad": bad | {"may_fail": may_fail}}
@@ -234,7 +239,7 @@ CLAIM: dict[str, Any] = {
     "measures": {"a": ONE},
     "holds_if": "a < 1",
     "found": "{a}",
-    "verdict": "holds",
+    "expect": "holds",
 }
 BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "an unknown key": ({"pannels": []}, ("figures.8.pannels", "panels")),
@@ -286,8 +291,8 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "a name that is none": ({"claims": [CLAIM | {"measures": {"a b": ONE}}]}, ("claims.0.measures", "a b")),
     "a condition of unknowns": ({"claims": [CLAIM | {"holds_if": "b < 1"}]}, ("claims.0.holds_if", "'b'")),
     "a text of unknowns": ({"claims": [CLAIM | {"found": "{b}"}]}, ("claims.0.found", "'b'")),
-    "an unknown verdict": ({"claims": [CLAIM | {"verdict": "hold"}]}, ("claims.0.verdict", "holds")),
-    "no reason": ({"claims": [{"paper": "p", "verdict": "not checkable"}]}, ("claims.0", "because")),
+    "an unknown verdict": ({"claims": [CLAIM | {"expect": "hold"}]}, ("claims.0.expect", "holds")),
+    "no reason": ({"claims": [{"paper": "p", "expect": "not checkable"}]}, ("claims.0", "because")),
     "a run that cannot be composed": (
         {"runs": {"real": {"experiment": "liu2023/fig08", "set": {"controller.gains.lambda": -1}}}},
         ("figures.8.runs.real", "real cannot be run", "lambda"),

@@ -197,6 +197,20 @@ def test_readings_of_lambda_have_the_poles_they_should() -> None:
     assert overshoot["velocity"] == pytest.approx(ideal, abs=0.03)
 
 
+def test_the_damping_may_be_given_once_for_every_prior() -> None:
+    """K_D = kappa D: with D the matrix of the law itself the command is the same, with twice that another."""
+    asked: dict[str, Any] = {"duration": 1.0, "reference": {"kind": "step", "attitude_deg": [1, 0, 0]}}
+    composition, simulated, _ = simulate({"update": "none"}, **asked)
+    own = Regressor(composition.nominal).reduced_mass_matrix(euler_state(simulated[0].sample.state)[0])
+    own = 0.5 * (own + own.T)
+    u = [
+        simulate({"update": "none", "damping_inertia": matrix.tolist()}, **asked)[1][0].output.command.u
+        for matrix in (own, 2.0 * own)
+    ]
+    np.testing.assert_allclose(u[0], simulated[0].output.command.u, rtol=1e-12, atol=1e-14)
+    assert np.abs(u[1] - u[0]).max() > 1e-3
+
+
 GRID = [
     (on, lead, period, decay)
     for on in ("position", "velocity")
@@ -370,6 +384,9 @@ def test_a_lost_estimate_ends_the_run_with_its_name_and_finite_torques() -> None
         ({"update": "lyapunov", "lambda_on": "velocity"}, "needs lambda_on: position"),
         ({"consistency": "natural"}, "for update lyapunov"),
         ({"rls": {"reset": {"samples": 0}}}, "controller.gains.rls.reset.samples"),
+        ({"damping_inertia": [[1.0, 0.0], [0.0]]}, "controller.gains.damping_inertia"),
+        ({"damping_inertia": [[1.0, 2.0], [2.0, 1.0]]}, "positive definite"),
+        ({"damping_inertia": [[1.0, 0.0], [0.0, 1.0]]}, "accepted: 7 rows"),
     ],
 )
 def test_gains_that_cannot_be_used_are_named(gains: dict[str, Any], said: str) -> None:
