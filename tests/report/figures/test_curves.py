@@ -34,7 +34,7 @@ def figure_result(**groups: int | str) -> FigureResult:
             curves = {"x": TIME * (index + 1), "y.reference": TIME}
             planned = DistinctRun(label, "e", (), EXPERIMENT)
             runs.append((PlannedRun(label, group, {}, planned), RunData("completed", time=TIME, curves=curves)))
-    return FigureResult("8", Figure.model_validate(data), tuple(runs), {}, ())
+    return FigureResult("8", Figure.model_validate(data), tuple(runs), (), {}, ())
 
 
 def curves(figure: FigureResult, **keys: Any) -> list[Curve]:
