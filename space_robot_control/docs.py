@@ -42,8 +42,7 @@ def filled(page: str) -> str:
 
 def gains_table(law: str, base: str | None = None) -> str:
     """Return a Markdown table of the gains of a law, without those of a base law."""
-    defaults = law_class(law).Gains()
-    rows = list(_gain_rows(type(defaults), defaults.model_dump(mode="json", by_alias=True)))
+    rows = list(_rows_of(law))
     if base is not None:
         known = {row[0] for row in _gain_rows(law_class(base).Gains, {})}
         rows = [row for row in rows if row[0] not in known]
@@ -52,10 +51,7 @@ def gains_table(law: str, base: str | None = None) -> str:
 
 def gain_rows(law: str) -> Iterator[Row]:
     """Each gain of a law in plain text: key, default, accepted values, ``changes in a run`` or nothing, meaning."""
-    defaults = law_class(law).Gains()
-    for key, default, accepted, changes, text in _gain_rows(
-        type(defaults), defaults.model_dump(mode="json", by_alias=True)
-    ):
+    for key, default, accepted, changes, text in _rows_of(law):
         yield key.strip("`"), default, accepted.replace("`", ""), "changes in a run" * bool(changes), text
 
 
@@ -72,6 +68,11 @@ def _sizes(law: str, name: str) -> dict[str, int]:
     state = RobotState(0, q, still, np.zeros(robot.n), np.zeros(3))
     telemetry = make_law(law, robot, 0.25).update(state, Reference(0, q, still, still)).telemetry
     return dict(zip(telemetry.labels, telemetry.sizes, strict=True))
+
+
+def _rows_of(law: str) -> Iterator[Row]:
+    model = law_class(law).Gains
+    return _gain_rows(model, model().model_dump(mode="json", by_alias=True))
 
 
 def _gain_rows(

@@ -8,10 +8,11 @@ from shutil import rmtree
 from tempfile import mkdtemp
 from weakref import finalize
 
-from space_robot_bringup.experiment.experiment import Experiment, Overrides, load_experiment, with_changes
+from space_robot_bringup.experiment.experiment import Experiment, Overrides, with_changes
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_bringup.public.calls import for_python
+from space_robot_bringup.public.given import given_experiment
 from space_robot_bringup.public.result import Run
 from space_robot_msgs_py.errors import SpaceRobotWarning
 from space_robot_msgs_py.log.free_directory import checked_directory
@@ -55,7 +56,9 @@ def run(
     Warns:
         SpaceRobotWarning: the run lies outside the bounds of its law.
     """
-    spec = _experiment(experiment, overrides or (), duration)
+    spec = given_experiment(experiment, overrides)
+    if duration is not None:
+        spec = with_changes(spec, {"duration": duration})
     given = None if out is None else checked_directory(Path(out), overwrite=overwrite, key="out")
     place = (Path(mkdtemp(prefix="space-robot-")) if given is None else given).absolute()
     said: list[str] = []
@@ -71,11 +74,3 @@ def run(
     for warning in said:
         warnings.warn(warning, SpaceRobotWarning, stacklevel=3)
     return Run(spec, result, log)
-
-
-def _experiment(experiment: StrPath | Experiment, overrides: Overrides, duration: float | None) -> Experiment:
-    if isinstance(experiment, Experiment):
-        spec = with_changes(experiment, overrides)
-    else:
-        spec = load_experiment(experiment, overrides)
-    return spec if duration is None else with_changes(spec, {"duration": duration})

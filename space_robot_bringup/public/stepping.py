@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_bringup.compose.composition import Composition, compose
-from space_robot_bringup.experiment.experiment import Experiment, Overrides, load_experiment, with_changes
+from space_robot_bringup.experiment.experiment import Experiment, Overrides
 from space_robot_bringup.modes.headless import ticks
 from space_robot_bringup.public.calls import for_python
+from space_robot_bringup.public.given import given_experiment
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import Command, PlantSample, Reference, RobotState, Tick
@@ -103,7 +104,7 @@ def make_plant(experiment: StrPath | Experiment, overrides: Overrides | None = N
     Raises:
         SpaceRobotError: the experiment cannot be used.
     """
-    return SteppedPlant(_composition(experiment, overrides))
+    return SteppedPlant(compose(given_experiment(experiment, overrides)))
 
 
 @for_python
@@ -120,16 +121,10 @@ def closed_loop(experiment: StrPath | Experiment, overrides: Overrides | None = 
     Raises:
         SpaceRobotError: the experiment cannot be used, at the call; or the law cannot go on, at its tick.
     """
-    return _ticks(_composition(experiment, overrides))
+    return _ticks(compose(given_experiment(experiment, overrides)))
 
 
 def _ticks(composition: Composition) -> Iterator[Tick]:
     controller = composition.controller()
     steps, supervisor = composition.experiment.steps, composition.supervisor(controller)
     yield from ticks(composition.plant(), controller, composition.reference(), steps=steps, supervisor=supervisor)
-
-
-def _composition(experiment: StrPath | Experiment, overrides: Overrides | None) -> Composition:
-    if isinstance(experiment, Experiment):
-        return compose(with_changes(experiment, overrides or ()))
-    return compose(load_experiment(experiment, overrides or ()))

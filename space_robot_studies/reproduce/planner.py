@@ -189,7 +189,7 @@ class Planner:
 
 
 def _altered(name: str, group: RunGroup, changed: Mapping[str, Any], reading: Reading, key: str) -> RunGroup:
-    """A group with the overrides of a reading; validated anew: a key that it varies cannot be set, too."""
+    """A group with the overrides of a reading; validated again: a key that it varies cannot be set, too."""
     try:
         return RunGroup.model_validate(group.model_dump(exclude_unset=True) | {"set": {**group.set, **changed}})
     except ValueError as error:

@@ -80,7 +80,7 @@ def test_eta_is_three_standard_deviations() -> None:
 
 
 def test_eta_may_be_a_variance() -> None:
-    """With ``eta_is: variance`` a parameter strays by sqrt(eta abs(pi) / 3), whatever its sign; zero stays zero."""
+    """With ``eta_is: variance`` a parameter is off by sqrt(eta abs(pi) / 3), whatever its sign; zero stays zero."""
     robot, rng = load_robot("mini"), np.random.default_rng(0)
     nominal = inertial_parameters(robot)
     dispersion = _dispersion(eta=0.3, eta_is="variance", inconsistent="keep")
