@@ -95,6 +95,14 @@ def test_no_module_imports_itself_through_others() -> None:
     assert sorted(waiting) == []
 
 
+def test_no_test_module_imports_another() -> None:
+    """What several test modules need lies beside them, or in tests/support."""
+    files = sorted((ROOT / "tests").rglob("*.py"))
+    wrong = [(path.name, name) for path in files for _, name in modules_in(path) if name.startswith("tests.")]
+    assert [pair for pair in wrong if pair[1].rpartition(".")[2].startswith("test_")] == []
+    assert wrong
+
+
 def test_no_package_outgrows_the_others() -> None:
     """No package holds more than 30 % of the lines."""
     lines = {

@@ -43,7 +43,7 @@ from space_robot_studies.campaign.cases import make_case
 from space_robot_studies.campaign.spec import load_campaign
 from space_robot_studies.reproduce.plan import manifest_path, read_manifest
 from tests.chaos.nasty import VALUES, changed_bytes, changed_text, changed_tree
-from tests.msgs_py.test_limits import BAD_XML, BAD_YAML
+from tests.support.bombs import BAD_XML, BAD_YAML
 
 ROBOTS = ("mini", "servicer", "ets7")
 

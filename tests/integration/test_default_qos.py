@@ -26,7 +26,7 @@ from space_robot_bringup.modes.processes import run_processes
 from space_robot_msgs_py.codec.codecs import CommandCodec
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_COMMAND
-from tests.integration.test_diagnostics import heard
+from tests.support.diagnostics import heard
 from tests.support.follow import DEADLINE
 from tests.support.harness import RunningGraph, running_graph
 

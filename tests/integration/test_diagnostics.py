@@ -8,24 +8,14 @@ from typing import Any
 import pytest
 
 pytest.importorskip("rclpy")
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from space_robot_msgs_py.topics import JOINT_COMMAND
 from space_robot_sim.nodes import health
-from tests.support.harness import RunningGraph, running_graph
+from tests.support.diagnostics import heard
+from tests.support.harness import running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-
-
-def heard(robot: RunningGraph) -> dict[str, Any]:
-    """Newest status by name, as it comes in."""
-    newest: dict[str, Any] = {}
-
-    def take(message: DiagnosticArray) -> None:
-        newest.update({status.name: status for status in message.status})
-
-    robot.stranger.create_subscription(DiagnosticArray, "/diagnostics", take, 10)
-    return newest
 
 
 def numbers(status: Any) -> dict[str, str]:

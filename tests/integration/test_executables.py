@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from space_robot_bringup.modes.context import reserved_domain
-from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.log.reader import LogReader
 from tests.support.follow import Spawn, said_by
+from tests.support.logged_law import law_of
 from tests.support.paths import ROOT
 
 pytest.importorskip("rclpy")
@@ -43,11 +43,6 @@ def test_the_executable_runs_an_experiment_of_another_law(tmp_path: Path, spawn:
     assert reader.end_reason == "completed"
     assert law_of(reader.header.experiment) == name
     assert block in reader.arrays().controller
-
-
-def law_of(text: str) -> str:
-    """The law a log says it was run by."""
-    return str(parse_yaml_text(text, "log")["controller"]["law"])
 
 
 def _bin() -> Path:

@@ -18,7 +18,7 @@ from space_robot_msgs_py.codec.codecs import TelemetryCodec
 from space_robot_msgs_py.errors import InputFileError, LogError
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import JOINT_COMMAND, PLANT_TELEMETRY, WRENCH_COMMAND
-from tests.integration.test_modes_agree import burning_core
+from tests.support.busy import burning_core
 from tests.support.follow import DEADLINE
 from tests.support.replays import replayed
 

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import traceback
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -16,6 +12,7 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_msgs_py.log.reader import LogReader
+from tests.support.busy import burning_core
 
 pytest.importorskip("rclpy")
 from space_robot_bringup.modes.processes import run_processes
@@ -44,17 +41,6 @@ def bag(directory: Path) -> bytes:
 
 def messages(directory: Path) -> list[tuple[str, int, bytes]]:
     return list(LogReader(directory).messages())
-
-
-@contextmanager
-def burning_core() -> Iterator[None]:
-    """Another process keeps a core busy meanwhile."""
-    burner = subprocess.Popen([sys.executable, "-c", "while True: pass"])
-    try:
-        yield
-    finally:
-        burner.kill()
-        burner.wait()
 
 
 @pytest.fixture(scope="module")

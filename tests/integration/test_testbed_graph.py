@@ -14,8 +14,9 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.context import reserved_domain
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
-from tests.integration.test_executables import ROOT, law_of
 from tests.support.follow import Spawn, said_by
+from tests.support.logged_law import law_of
+from tests.support.paths import ROOT
 
 pytest.importorskip("rclpy")
 

@@ -13,10 +13,9 @@ from space_robot_msgs_py.codec.codecs import TickCodec
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, JOINT_COMMAND, PLANT_TELEMETRY
 from space_robot_sim.nodes.tick_parts import MAX_LATE
-from tests.sim.nodes.test_strays import PERIOD, SHORT
-from tests.sim.nodes.test_two_publishers import foreign, publish
 from tests.support.harness import RunningGraph, running_graph
 from tests.support.replays import replayed
+from tests.support.unanswered import PERIOD, SHORT, foreign, publish
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 # The clock is too slow to fire: periods end when the test says so.

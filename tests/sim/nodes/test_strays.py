@@ -12,7 +12,6 @@ import pytest
 pytest.importorskip("rclpy")
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
-from space_robot_control.nodes.controller import ControllerNode
 from space_robot_msgs_py.codec.cdr import ENCAPSULATION
 from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, encode_clock, encode_string
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState
@@ -33,10 +32,9 @@ from space_robot_msgs_py.topics import (
     Topic,
 )
 from tests.support.harness import RunningGraph, running_graph
+from tests.support.unanswered import AT, PERIOD, SHORT, STEPS, go_on, stand_unanswered
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-SHORT = "duration=5.0"
-PERIOD, STEPS, AT = 250_000_000, 20, 9
 JOINTS = 4
 GARBAGE = ENCAPSULATION + b"\xff" * 4
 
@@ -126,39 +124,10 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, int
     return list(LogReader(place).messages())
 
 
-def controller_of(robot: RunningGraph) -> ControllerNode:
-    node = robot.nodes["controller"]
-    assert isinstance(node, ControllerNode)
-    return node
-
-
-def stand_unanswered(robot: RunningGraph) -> None:
-    """Bring the run to a state that waits for its answer."""
-    robot.simulator.pause(True)
-    for tick in range(AT):
-        robot.spin_until(lambda tick=tick: robot.await_answer() == tick, "an answer")
-        if tick == AT - 1:
-            controller_of(robot).trigger_deactivate()
-        robot.simulator.step_once()
-    robot.spin_until(lambda: robot.simulator.tick == AT, "the state")
-    robot.settle()
-
-
 def refused(robot: RunningGraph) -> int:
     """How many messages were refused."""
     nodes = robot.nodes.values()
     return sum(sum(node.refusals.values()) for node in nodes) + sum(robot.simulator.commands.counts.values())
-
-
-def go_on(robot: RunningGraph) -> None:
-    """Let the run go on to its end."""
-    robot.simulator.pause(False)
-    if not controller_of(robot).active:
-        controller_of(robot).trigger_activate()
-    robot.spin_until(lambda: robot.recorder.end_reason, "the end of the run")
-    robot.spin_until(lambda: robot.recorder.complete, "the last tick")
-    robot.settle()
-    robot.recorder.finish("completed")
 
 
 def messages(place: Path) -> list[tuple[str, int, bytes]]:

@@ -22,24 +22,12 @@ from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import Command, Tick
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.nodes.managed import bring_up
-from space_robot_msgs_py.topics import BASE_ODOM, JOINT_COMMAND, WRENCH_COMMAND
-from tests.sim.nodes.test_strays import AT, PERIOD, SHORT, controller_of, go_on, stand_unanswered
+from space_robot_msgs_py.topics import BASE_ODOM, JOINT_COMMAND
 from tests.support.harness import RunningGraph, running_graph
 from tests.support.replays import assert_equal, replayed
+from tests.support.unanswered import AT, EFFORT, PERIOD, SHORT, controller_of, foreign, go_on, publish, stand_unanswered
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-EFFORT = 0.001
-
-
-def foreign(robot: RunningGraph, stamp: int, effort: float = EFFORT) -> tuple[bytes, ...]:
-    """A whole command of a stranger, which knows of no marks."""
-    n = len(robot.composition.joint_names)
-    return CommandCodec(robot.composition.joint_names).encode(Command(stamp, np.zeros(6), np.full(n, effort)))
-
-
-def publish(robot: RunningGraph, parts: tuple[bytes, ...]) -> None:
-    robot.publish(WRENCH_COMMAND, parts[0])
-    robot.publish(JOINT_COMMAND, parts[1])
 
 
 def ticks_of(place: Path) -> list[Tick]:

@@ -19,8 +19,8 @@ from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
-from tests.control.laws.test_computed_torque import errors, simulate
 from tests.support.robots import arm_model, robot_of
+from tests.support.simulated import errors, simulate
 
 MOTION: dict[str, Any] = {"kind": "quintic", "duration": 40.0, "attitude_deg": [4, -4, 8], "joints_by_deg": 15}
 
