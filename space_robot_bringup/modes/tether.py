@@ -69,10 +69,12 @@ class ChildEnd:
     Attributes:
         grace: how long the process may take to end once it was ordered to [s].
         hurry: there is nothing to wait for: a process of the run died, or the log is closed.
+        bereaved: a process of the run died before this one was to end.
     """
 
     def __init__(self, descriptor: int | None, on_order: Callable[[str], None]) -> None:
-        self._on_order, self.grace, self.hurry = on_order, CHILD_GRACE_SECONDS, False
+        self._on_order, self.grace = on_order, CHILD_GRACE_SECONDS
+        self.hurry = self.bereaved = False
         self._socket = None if descriptor is None else socket.socket(fileno=descriptor)
         if self._socket is not None:
             # What this process starts itself must not hold the line.
@@ -87,6 +89,7 @@ class ChildEnd:
 
     def _listen(self, line: socket.socket) -> None:
         order = self._next_order(line)
+        self.bereaved = self.hurry
         self._on_order(str(order["end"]))
         until = monotonic() + self.grace
         while not self.hurry:

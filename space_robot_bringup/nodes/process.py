@@ -5,6 +5,7 @@ python -m space_robot_bringup.nodes.process simulator --experiment liu2023/fig08
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import signal
 import sys
@@ -133,6 +134,10 @@ def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Ca
         tether.tell(logged=drain(executor, node, reason))
     begun = monotonic()
     node.flush(ACKNOWLEDGE_SECONDS, lambda: tether.hurry and monotonic() - begun > HURRIED_SECONDS)
+    if tether.bereaved:
+        # Fast DDS 2.14 may crash as it lets go of shared memory that a killed process had in its hands. All is said by
+        # now, and a crash that says nothing more is better than memory that stays.
+        faulthandler.disable()
     # First the executor, which holds on to the node: only a node that is really gone takes its shared memory along.
     executor.shutdown()
     node.destroy_node()

@@ -6,6 +6,7 @@ import os
 import queue
 import subprocess
 import sys
+from time import monotonic
 
 import pytest
 
@@ -42,6 +43,11 @@ def test_news_and_orders_arrive_whole_and_in_order() -> None:
     parent.order_end("completed", hurry=False)
     assert orders.get(timeout=20.0) == "completed"
     assert not child.hurry
+    parent.order_end("completed", hurry=True)
+    deadline = monotonic() + 20.0
+    while not child.hurry:
+        assert monotonic() < deadline, "waited 20 s for the second order"
+    assert not child.bereaved
     parent.close()
 
 
@@ -51,6 +57,7 @@ def test_the_end_of_the_line_is_the_death_of_the_parent() -> None:
     parent.close()
     assert orders.get(timeout=20.0) == PARENT_DIED
     assert child.hurry
+    assert child.bereaved
     child.tell(tick=1)
 
 
