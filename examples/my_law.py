@@ -6,10 +6,13 @@ Unlike computed torque its inertia and its feed-forward are those of the desired
 they could be computed before the run. It never pushes the base.
 """
 
+from typing import ClassVar
+
 from pydantic import Field, PositiveFloat
 
 from space_robot import (
     Blocks,
+    GainRange,
     Law,
     NominalModel,
     Reference,
@@ -30,6 +33,7 @@ class PdPlus(Law):
         bandwidth: PositiveFloat = Field(default=1.0, description="natural frequency wn [rad/s]")
 
     name = "pd_plus"
+    gain_ranges: ClassVar = {"bandwidth": GainRange(0.02, 2.0)}  # [rad/s], what `space-robot tune` may search
     gains: Gains
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:

@@ -20,6 +20,7 @@ __all__ = [
     "ControlOutput",
     "error_blocks",
     "Experiment",
+    "GainRange",
     "judge",
     "Law",
     "load_experiment",
@@ -43,6 +44,7 @@ __all__ = [
     "Telemetry",
     "Tick",
     "tracking_errors",
+    "tune",
     "Vector",
     "__version__",
 ]
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
     from space_robot_bringup.public.run import run
     from space_robot_bringup.public.stepping import SteppedPlant, closed_loop, make_plant
     from space_robot_control.laws.base import Blocks, Law
+    from space_robot_control.laws.gain_range import GainRange
     from space_robot_control.nominal_model import NominalModel
     from space_robot_control.tracking import error_blocks, tracking_errors
     from space_robot_description.load import load_robot
@@ -77,6 +80,7 @@ if TYPE_CHECKING:
     from space_robot_studies.campaign.public import campaign
     from space_robot_studies.compare.public import compare
     from space_robot_studies.reproduce.public import reproduce
+    from space_robot_studies.tune.public import tune
 else:
     _MODULES = {
         "space_robot_studies.campaign.public": ("campaign",),
@@ -89,6 +93,8 @@ else:
         "space_robot_bringup.public.stepping": ("SteppedPlant", "closed_loop", "make_plant"),
         "space_robot_studies.reproduce.public": ("reproduce",),
         "space_robot_control.laws.base": ("Blocks", "Law"),
+        "space_robot_control.laws.gain_range": ("GainRange",),
+        "space_robot_studies.tune.public": ("tune",),
         "space_robot_control.nominal_model": ("NominalModel",),
         "space_robot_control.tracking": ("error_blocks", "tracking_errors"),
         "space_robot_description.load": ("load_robot",),

@@ -7,7 +7,7 @@ from typing import Any
 from typer.core import TyperGroup
 
 PANELS = {
-    "Run": ("run", "campaign", "compare", "reproduce"),
+    "Run": ("run", "campaign", "compare", "tune", "reproduce"),
     "Look": ("report", "view", "plot", "info", "events"),
     "Verify": ("check", "replay", "recover"),
     "Prepare": ("new", "list", "robot", "schema"),

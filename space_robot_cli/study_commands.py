@@ -99,6 +99,35 @@ def compare_laws(
 
 
 @app.command()
+def tune(
+    file: Annotated[str, typer.Argument(help="shipped name such as tune_short, or YAML file")],
+    law: Annotated[
+        list[str] | None, typer.Option("--law", metavar="NAME", help="only this law; may be given more than once")
+    ] = None,
+    budget: Annotated[
+        int | None, typer.Option(help="evaluations per law and point of the grid; default: what the file says")
+    ] = None,
+    workers: WorkersOption = None,
+    directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
+    resume: ResumeOption = False,
+    time_limit: TimeLimitOption = None,
+    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write the table")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Search the gains of laws, the same budget for each."""
+    single_threaded()
+    from space_robot_bringup.public.calls import needing
+
+    with needing("tune", "campaign"):
+        from space_robot_cli.tune import Options, run
+    from space_robot_cli.study_options import StudyOptions
+
+    shared = StudyOptions(workers, resume, time_limit, markdown, as_json)
+    if not run(Options(file, shared, tuple(law or ()), budget, directory), out, err):
+        raise typer.Exit(FAILED)
+
+
+@app.command()
 def reproduce(
     paper: Annotated[str, typer.Argument(help="shipped name such as liu2023, or manifest file")],
     figure: Annotated[

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.command_delay import CommandDelay
+from space_robot_control.laws.gain_range import GainRanges
 from space_robot_control.laws.tunable import Tunable
 from space_robot_control.tracking import prepare
 from space_robot_control.wheel_momentum import WheelMomentum
@@ -64,9 +65,9 @@ class Law(Tunable, ABC):
 
     Subclasses with gains nest a ``Gains`` model and annotate ``gains: Gains``; every field has a default and a
     description with its unit. ``telemetry_fields`` describes the blocks of telemetry, with their units;
-    ``uses_command_delay`` says that the law takes ``robot.command_delay`` into account. A law is a
-    function of the states and references since the last ``reset``, of what ``tune`` changed between them, and of
-    nothing else.
+    ``uses_command_delay`` says that the law takes ``robot.command_delay`` into account; ``gain_ranges`` says which
+    gains, by dotted name, ``space-robot tune`` may search and between which values. A law is a function of the states
+    and references since the last ``reset``, of what ``tune`` changed between them, and of nothing else.
 
     Attributes:
         inbox: what stands between messages and law; None: nothing, as in every run without faults of links.
@@ -87,6 +88,7 @@ class Law(Tunable, ABC):
     name: ClassVar[str] = ""
     uses_command_delay: bool = False
     telemetry_fields: ClassVar[Mapping[str, str]] = {}
+    gain_ranges: ClassVar[GainRanges] = {}
     gains: Gains
     inbox: Inbox | None = None
 

@@ -136,7 +136,7 @@ def _cell(first: Case, law: str, condition: Mapping[str, Any], rows: Sequence[Ma
     experiment = first.experiment()
     robot = load_robot(experiment.robot)
     angles = [name for name, length in zip(robot.joint_names, robot.prismatic, strict=True) if not length]
-    completed = [_numbers(row, angles, list(experiment.settling_bands)) for row in rows if row["completed"]]
+    completed = [task_numbers(row, angles, list(experiment.settling_bands)) for row in rows if row["completed"]]
     reasons = [row["end_reason"] for row in rows if not row["completed"]]
     return Cell(
         law=law,
@@ -150,11 +150,20 @@ def _cell(first: Case, law: str, condition: Mapping[str, Any], rows: Sequence[Ma
     )
 
 
-def _numbers(row: Mapping[str, Any], angles: Sequence[str], banded: Sequence[str]) -> dict[str, float | None]:
-    """The metrics of one completed run."""
+def task_numbers(row: Mapping[str, Any], angles: Sequence[str], banded: Sequence[str]) -> dict[str, float | None]:
+    """``METRICS`` of one completed run.
+
+    Args:
+        row: columns by name.
+        angles: names of the revolute joints.
+        banded: axes that have to settle.
+
+    Returns:
+        None where there is no such number: an axis that did not settle, or none that has to; no revolute joint.
+    """
     settled = [row[f"{axis}.settling_time"] for axis in banded]
     return {
-        "settling_time": None if None in settled else max(settled),
+        "settling_time": None if None in settled else max(settled, default=None),
         "joint_error": max((row[f"{joint}.max_error"] for joint in angles), default=None),
         "attitude_rms": hypot(*(row[f"{axis}.rms_error"] for axis in ROTATION)),
         "attitude_final": max(row[f"{axis}.final_error"] for axis in ROTATION),

@@ -18,6 +18,7 @@ from space_robot_control.laws.adaptive.parameter_update import ParameterUpdate
 from space_robot_control.laws.adaptive.regressor import Regressor
 from space_robot_control.laws.adaptive.review import AdaptiveReview
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_description.kernel.cache import cached
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError, SpecError
@@ -66,6 +67,7 @@ class Adaptive(Law):
         """Gains of the adaptive law."""
 
     name = "adaptive"
+    gain_ranges: ClassVar[GainRanges] = {"lambda": GainRange(0.05, 2.0), "kappa": GainRange(0.02, 2.0)}
     uses_command_delay = True
     telemetry_fields: ClassVar[Mapping[str, str]] = {
         "position_error": "p_d - p, inertial axes; free-flying robots [m]",

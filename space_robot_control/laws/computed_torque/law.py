@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.laws.base import Blocks, Law
+from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.per_dof import Axes, Joints, PerDof
 from space_robot_control.sampled_stability import stability_margin
@@ -61,6 +64,10 @@ class ComputedTorque(Law):
         allow_unstable: bool = Field(default=False, description="accept gains outside the sampled loop's stable region")
 
     name = "computed_torque"
+    gain_ranges: ClassVar[GainRanges] = {
+        "bandwidth": GainRange(0.05, 2.0),
+        "damping": GainRange(0.4, 2.0, "linear"),
+    }
     telemetry_fields = ERROR_FIELDS | {"acceleration_command": "a [m/s2, rad/s2]"}
     gains: Gains
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.rates_to_zero import RatesToZero
 from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
@@ -29,6 +32,7 @@ class DampedHold(RatesToZero):
     """
 
     name = "damped_hold"
+    gain_ranges: ClassVar[GainRanges] = {"rate": GainRange(0.02, 5.0)}
     telemetry_fields = ERROR_FIELDS | {
         "damping": "diagonal of D, zero where nothing acts [N s/m, N m s/rad]",
         "power": "v^T u, not positive [W]",

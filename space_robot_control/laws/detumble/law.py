@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
 from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.rates_to_zero import RatesToZero
 from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
 from space_robot_description.robot import Robot
@@ -30,6 +33,7 @@ class Detumble(RatesToZero):
     """
 
     name = "detumble"
+    gain_ranges: ClassVar[GainRanges] = {"rate": GainRange(0.02, 5.0)}
     telemetry_fields = ERROR_FIELDS | {
         "joint_offset": "q - q0 [rad or m]",
         "scale": "s, less than 1 where the actuators cannot give the command [-]",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
 from space_robot_control.channels import BASE, Channels
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.mfac.gains import MfacGains
 from space_robot_control.laws.mfac.incremental_controller import IncrementalController, Weights, weights_of
 from space_robot_control.laws.mfac.initial_value import Pulses, Push, Response, ResponseFit
@@ -54,6 +56,7 @@ class ModelFree(Law):
         """Gains of the model-free law."""
 
     name = "mfac"
+    gain_ranges: ClassVar[GainRanges] = {"lead": GainRange(0.5, 20.0), "kappa": GainRange(0.05, 10.0)}
     uses_command_delay = True
     telemetry_fields = ERROR_FIELDS | {
         "output": "z or e of the channels [m, rad]",

@@ -5,11 +5,13 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.ntsmc.disturbance_observer import DisturbanceObserver
 from space_robot_control.laws.ntsmc.gains import SlidingGains
 from space_robot_control.laws.ntsmc.kernel import sliding
@@ -42,6 +44,12 @@ class TerminalSliding(Law):
 
     Gains = SlidingGains
     uses_command_delay = True
+    gain_ranges: ClassVar[GainRanges] = {
+        "gamma": GainRange(0.01, 1.0),
+        "k1": GainRange(1e-3, 1.0),
+        "k2": GainRange(0.02, 2.0),
+        "boundary_layer": GainRange(1e-4, 0.1),
+    }
     telemetry_fields = ERROR_FIELDS | {
         "sliding_variable": "s [m, rad]",
         "sliding_excess": "Delta s, s outside the boundary layer [m, rad]",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.command_limits import CommandLimits
 from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.rates_to_zero import RatesToZero
 from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
 from space_robot_description.robot import Robot
@@ -51,6 +54,7 @@ class Park(RatesToZero):
         )
 
     name = "park"
+    gain_ranges: ClassVar[GainRanges] = {"rate": GainRange(0.02, 5.0), "speed": GainRange(0.005, 0.5)}
     telemetry_fields = ERROR_FIELDS | {
         "path": "p [rad or m]",
         "path_rate": "r [rad/s or m/s]",

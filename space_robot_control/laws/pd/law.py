@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.channels import Channels
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.sampled_stability import stability_margin
 from space_robot_control.sensing import FilterSpec, Sensing
@@ -54,6 +56,10 @@ class ProportionalDerivative(Law):
         filter: FilterSpec | None = Field(default=None, description="rates from positions, and a gate; default: none")
 
     name = "pd"
+    gain_ranges: ClassVar[GainRanges] = {
+        "bandwidth": GainRange(0.02, 2.0),
+        "damping": GainRange(0.4, 2.0, "linear"),
+    }
     telemetry_fields = ERROR_FIELDS | {
         "output": "e of the channels [m, rad]",
         "output_rate": "e' of the channels [m/s, rad/s]",
