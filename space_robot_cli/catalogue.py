@@ -12,6 +12,7 @@ from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_sim.faults.catalogue import common_keys, groups, keys_of, meaning
 from space_robot_studies.campaign.spec import read_campaign
 from space_robot_studies.reproduce.plan import manifest_path, read_manifest
+from space_robot_studies.tune.spec import read_tuning
 from space_robot_supervisor.table import SupervisionTable
 
 
@@ -25,6 +26,7 @@ def catalogue(kind: str = "", beginning: str = "") -> dict[str, dict[str, str]]:
         "experiments": _experiment,
         "papers": _paper,
         "campaigns": _campaign,
+        "tuning": _tuning,
         "supervision": _table,
         "robots": _robot,
     }
@@ -86,6 +88,10 @@ def _experiment(name: str) -> str:
 def _paper(name: str) -> str:
     manifest = read_manifest(manifest_path(name), name)
     return f"{manifest.title} ({manifest.citation})"
+
+
+def _tuning(name: str) -> str:
+    return read_tuning(name).title
 
 
 def _campaign(name: str) -> str:

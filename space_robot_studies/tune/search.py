@@ -1,7 +1,7 @@
 """Where the search looks next: spread over the whole box first, then closer and closer around the best.
 
 CMA-ES (Hansen and Ostermeier, Evol. Comput. 9, 2001) of the package `cmaes`: it has a generator of its own, sees only
-the order of its candidates, and is asked and told by batches, so that neither the number of workers nor the order in
+the order of its candidates, and works by batches, so that neither the number of workers nor the order in
 which runs end can change it. A search that goes on is the same search from its beginning with what is known of it.
 """
 

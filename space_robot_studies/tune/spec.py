@@ -103,6 +103,16 @@ def tuning_path(name_or_path: StrPath) -> Path:
     return shipped_or_file(str(name_or_path), "tuning", key="tuning", message="no such tuning file or shipped tuning")
 
 
+def read_tuning(name_or_path: StrPath, *, budget: int | None = None) -> Tuning:
+    """A tuning file as it stands; see ``load_tuning``."""
+    data = parse_yaml(tuning_path(name_or_path))
+    if budget is not None:
+        if budget < 1:
+            raise SpecError("nothing can be searched", key="--budget", value=budget, accepted="1 or more evaluations")
+        data = data | {"budget": budget}
+    return validate(Tuning, data, str(name_or_path))
+
+
 def load_tuning(name_or_path: StrPath, *, laws: tuple[str, ...] = (), budget: int | None = None) -> Tuning:
     """Read a tuning file and resolve it: the result holds its experiment and needs no other file, laws excepted.
 
@@ -115,13 +125,7 @@ def load_tuning(name_or_path: StrPath, *, laws: tuple[str, ...] = (), budget: in
         InputFileError: there is no such file.
         SpecError: a key or value cannot be used.
     """
-    path = tuning_path(name_or_path)
-    data = parse_yaml(path)
-    if budget is not None:
-        if budget < 1:
-            raise SpecError("nothing can be searched", key="--budget", value=budget, accepted="1 or more evaluations")
-        data = data | {"budget": budget}
-    tuning = validate(Tuning, data, str(name_or_path))
+    path, tuning = tuning_path(name_or_path), read_tuning(name_or_path, budget=budget)
     for law in laws:
         if law not in tuning.laws:
             accepted = nearest(law, tuple(tuning.laws)) or ", ".join(tuning.laws)

@@ -18,6 +18,9 @@ from space_robot_description.validation import parse_yaml_text
 from space_robot_studies.campaign.cases import check_cases, make_case
 from space_robot_studies.campaign.run_case import run_case
 from space_robot_studies.campaign.spec import load_campaign
+from space_robot_studies.tune.spec import load_tuning
+from space_robot_studies.tune.stand import make_stands
+from space_robot_studies.tune.tune import check_task
 from tests.support.nonempty import nonempty
 from tests.support.paths import ROOT
 
@@ -29,6 +32,7 @@ EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT
 KINDS = {
     "manifest": "figures",
     "campaign": "runs",
+    "tuning": "laws",
     "dispersions": "disperse",
     "experiment": "control_period",
     "sections": "reference",
@@ -39,7 +43,7 @@ KINDS = {
     "supervision": "supervision",
 }
 # Pages whose commands need those before them.
-IN_ORDER = ("campaigns.md", "compare.md", "replay.md", "view.md")
+IN_ORDER = ("campaigns.md", "compare.md", "replay.md", "tuning.md", "view.md")
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -98,6 +102,30 @@ def test_campaigns_and_their_sections_can_be_run(tmp_path: Path) -> None:
         assert check_cases(load_campaign(str(path)))
     outcome = run_case(make_case(load_campaign(str(path)), 0).data, "copied", "none")
     assert outcome.columns["completed"], outcome.columns
+
+
+def test_tuning_files_can_be_used(tmp_path: Path) -> None:
+    """A tuning file copied from a page, and those that are shipped, have searches that compose."""
+    (text,) = yaml_blocks("tuning")
+    (tmp_path / "copied.yaml").write_text(text, encoding="utf-8")
+    for name in (str(tmp_path / "copied.yaml"), "tune_short", "tune_mini", "tune_servicer"):
+        found = load_tuning(name)
+        stands = make_stands(found)
+        assert len(stands) == len(found.laws) * len(found.points)
+        judge, _ = check_task(found, found.campaign(), stands[: len(found.laws)])
+        assert judge.angles
+
+
+def test_commands_of_the_tuning_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Search, go on with another budget, and go on; a few evaluations of a short task stand for the shipped one."""
+    short = {"title": "t", "experiment": "compare/mini", "set": {"duration": 2.0, "reference.duration": 1.0}}
+    laws = {"laws": {"pd": {"gains": {"bandwidth": 0.2}}}, "budget": 1, "draws": 1, "held_out": 1}
+    (tmp_path / "short.yaml").write_text(dump_yaml(short | laws), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    lines = [line.replace("tune_short", "short.yaml") for line in shell_lines("tuning.md") if line]
+    assert len(lines) == 3
+    for line, more in zip(lines, ("", "--out runs/law", ""), strict=True):
+        assert exit_code(f"{line.replace('--budget 40', '--budget 2')} --workers 1 {more}", monkeypatch) == 0, line
 
 
 def test_overrides_on_the_pages_work() -> None:

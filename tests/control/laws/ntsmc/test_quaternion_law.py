@@ -17,8 +17,8 @@ from space_robot_description import rotations as rot
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState
-from tests.control.laws.test_computed_torque import errors, simulate, start
 from tests.support.robots import arm_model, random_state, robot_of
+from tests.support.simulated import errors, simulate, start
 
 N = 4
 WIDE = robot_of(arm_model(N))
