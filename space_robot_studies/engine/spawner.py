@@ -9,23 +9,19 @@ from __future__ import annotations
 import os
 import signal
 import socket
-import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
-from multiprocessing.reduction import recv_handle, send_handle
+from multiprocessing.reduction import send_handle
 from typing import Any
 
 from space_robot_msgs_py.errors import SilenceError
-from space_robot_studies.engine.pinned import PINNED
-from space_robot_studies.engine.worker import settle, work
+from space_robot_studies.engine.nursery import nursery
+from space_robot_studies.engine.serving import serve
 
 END_SECONDS = 3.0
 POLL_SECONDS = 0.2
-START = (
-    "import sys; sys.path[:] = {path!r}; from space_robot_studies.engine.spawner import main; main(int(sys.argv[1]))"
-)
 
 
 class WorkerProcess:
@@ -43,13 +39,13 @@ class WorkerProcess:
 class Spawner:
     """The parent's end of a spawner; it has to be closed.
 
-    A process with one thread forks it, which takes milliseconds and keeps what is loaded; otherwise a new interpreter
-    is started, which takes about a second.
+    A process with one thread forks it, which takes milliseconds and keeps what is loaded; otherwise the nursery does,
+    whose own start, with the first study of a process, takes about two seconds.
     """
 
     def __init__(self) -> None:
         ours, theirs = socket.socketpair()
-        self._end = _fork(ours, theirs) if _single_threaded() else _execute(theirs)
+        self._end = _fork(ours, theirs) if _single_threaded() else nursery().fork(theirs)
         theirs.close()
         self._socket, self._channel = ours, Connection(os.dup(ours.fileno()))
         self._ended: dict[int, int] = {}
@@ -166,98 +162,3 @@ def _fork(ours: socket.socket, theirs: socket.socket) -> Callable[[], None]:
             os.waitpid(pid, 0)
 
     return end
-
-
-def _execute(theirs: socket.socket) -> Callable[[], None]:
-    command = [sys.executable, "-c", START.format(path=sys.path, module=__name__), str(theirs.fileno())]
-    process = subprocess.Popen(command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, env=os.environ | PINNED)
-
-    def end() -> None:
-        process.kill()
-        process.wait()
-
-    return end
-
-
-def main(descriptor: int) -> None:
-    """A spawner in an interpreter of its own."""
-    serve(Connection(descriptor))
-
-
-def serve(channel: Connection) -> None:
-    """Start and end workers on the parent's word; end with all of them when the parent closes its end, or dies."""
-    settle()
-    wake, alarm = socket.socketpair()
-    for end in (wake, alarm):
-        end.setblocking(False)
-    signal.set_wakeup_fd(alarm.fileno(), warn_on_full_buffer=False)
-    # With a handler of Python's a signal is written to the pipe.
-    signal.signal(signal.SIGCHLD, lambda number, frame: None)
-    children: set[int] = set()
-    try:
-        while True:
-            for ready in wait([channel, wake]):
-                if ready is channel:
-                    _obey(channel.recv(), channel, children, (wake, alarm))
-                else:
-                    with suppress(BlockingIOError):
-                        wake.recv(4096)
-            _report(channel, children)
-    except (EOFError, OSError):
-        return
-    finally:
-        for pid in children:
-            os.kill(pid, signal.SIGKILL)
-            os.waitpid(pid, 0)
-
-
-def _obey(
-    message: tuple[Any, ...], channel: Connection, children: set[int], signals: tuple[socket.socket, ...]
-) -> None:
-    match message:
-        case ("prepare", function, arguments):
-            with suppress(BaseException):
-                function(*arguments)
-            channel.send(("prepared", 0))
-        case ("start",):
-            channel.send(_start(recv_handle(channel), channel, children, signals))
-        case ("kill", pid) if pid in children:
-            os.kill(pid, signal.SIGKILL)
-
-
-def _start(
-    descriptor: int, channel: Connection, children: set[int], signals: tuple[socket.socket, ...]
-) -> tuple[str, int | str]:
-    try:
-        pid = os.fork()
-    except OSError as error:
-        return "refused", str(error.strerror)
-    else:
-        if pid == 0:
-            _become_worker(descriptor, channel, signals)
-        children.add(pid)
-        return "started", pid
-    finally:
-        os.close(descriptor)
-
-
-def _become_worker(descriptor: int, channel: Connection, signals: tuple[socket.socket, ...]) -> None:
-    try:
-        signal.set_wakeup_fd(-1)
-        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        channel.close()
-        for end in signals:
-            end.close()
-        work(Connection(descriptor))
-        os._exit(0)
-    finally:
-        os._exit(1)
-
-
-def _report(channel: Connection, children: set[int]) -> None:
-    """Say which workers have ended."""
-    for pid in list(children):
-        done, status = os.waitpid(pid, os.WNOHANG)
-        if done:
-            children.discard(pid)
-            channel.send(("ended", pid, os.waitstatus_to_exitcode(status)))
