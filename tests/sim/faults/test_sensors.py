@@ -175,5 +175,5 @@ def test_small_rotations_are_exp() -> None:
 def test_a_fault_of_a_channel_that_is_not_measured_is_refused() -> None:
     """Where no momentum of wheels is measured nothing can go wrong with it, whatever the kind of the fault."""
     for kind, keys in (("sensor_frozen", {}), ("sensor_noise", {"factor": 2.0}), ("sensor_bias", {"bias": 1.0})):
-        with pytest.raises(SpecError, match=r"faults.0.channel: is not measured; got 'wheel_momentum'; .*plant.sensors"):
+        with pytest.raises(SpecError, match=r"faults.0.channel: is not measured; got 'wheel_mom.*plant.sensors"):
             simulated([fault(kind, channel="wheel_momentum", **keys)], actuators=WHEELS)
