@@ -89,8 +89,8 @@ def make_node(
         return _supervisor_node(composition, lossless=realtime is None, **options)
     if role == "controller":
         supervised = composition.experiment.supervision is not None
-        heard = {"supervised": supervised, "wheels": WHEEL_MOMENTUM in composition.optional_topics}
-        return ControllerNode(composition.controller, names, paced=realtime is not None, **heard, **options)
+        options |= {"supervised": supervised, "wheels": WHEEL_MOMENTUM in composition.optional_topics}
+        return ControllerNode(composition.controller, names, paced=realtime is not None, **options)
     timing |= optional | {"ahead": ahead}
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options

