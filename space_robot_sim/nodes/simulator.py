@@ -109,7 +109,8 @@ class SimulatorNode(ManagedNode):
         self.commands.counts.clear()
         self._set_back(self._plant.reset())
         measured = [one for one in self._optional if one.kind == "state"]
-        self._state_publishers = [self._publisher(topic) for topic in (*self._states.topics, *measured)]
+        # The part that only some runs have comes first: a stranger's, sent ahead of time, is replaced before the rest.
+        self._state_publishers = [self._publisher(topic) for topic in (*measured, *self._states.topics)]
         self._telemetry_publisher = self._publisher(PLANT_TELEMETRY)
         self._event_publishers = {one: self._publisher(one) for one in self._optional if one.kind == "plant_event"}
         self._clock_publisher = self.publisher(CLOCK)
@@ -251,9 +252,8 @@ class SimulatorNode(ManagedNode):
             events = dict(plant_events(sample))
             for topic, publisher in self._event_publishers.items():
                 publisher.publish(encode_tick_statuses(sample.state.stamp, events.get(topic, ())))
-        wheels = self._wheels.of(sample.state)
-        parts = self._states.encode(sample.state)
-        publish_all(self._state_publishers, parts if wheels is None else (*parts, wheels))
+        wheels, parts = self._wheels.of(sample.state), self._states.encode(sample.state)
+        publish_all(self._state_publishers, parts if wheels is None else (wheels, *parts))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
 
     def _on_answer(self) -> None:
