@@ -10,6 +10,7 @@ import space_robot as sr
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment, to_yaml
 from space_robot_bringup.modes.headless import run_in_memory
+from space_robot_msgs_py.log.arrays import arrays_of
 from space_robot_msgs_py.topics import WHEEL_MOMENTUM
 from tests.support.tool import Tool, refused
 
@@ -49,6 +50,18 @@ def test_a_run_gives_the_readings_as_an_array() -> None:
     other = sr.run("liu2023/fig08", {"duration": 1.0}).arrays
     assert other.base.wheel_momentum is None
     assert not [name for name, _ in other.columns() if name.startswith("base.wheel")]
+
+
+def test_the_page_shows_the_reading() -> None:
+    """A plot of its own beside that of the truth, only where it is measured."""
+    pytest.importorskip("plotly")
+    from space_robot_report.pages.log_plots import effort_plots
+
+    for keys, count in ((IDEAL, 1), ({}, 0)):
+        composition = compose(experiment(**keys))
+        arrays = arrays_of(run_in_memory(composition).ticks)
+        plots = effort_plots(arrays, composition.joint_names, composition.nominal)
+        assert len([plot for plot in plots if "as measured" in plot.title]) == count
 
 
 @pytest.mark.parametrize("name", ["giordano2023/sec5", "song2023/pccs"])
