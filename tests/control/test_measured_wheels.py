@@ -72,6 +72,19 @@ def test_least_squares_learn_from_the_torque_that_acted(source: str, learns: boo
     assert learns or off > 0.2
 
 
+def test_a_saturated_period_teaches_where_the_wheels_are_measured() -> None:
+    """A step that asks for more torque than there is: by commands the period is left out, by readings it is learned."""
+    learned = {}
+    for source in ("measured", "commanded"):
+        plant = plant_of(**MEASURED, reference={"kind": "step", "attitude_deg": [60, 0, 0]})
+        law = make_law("adaptive", plant.robot, PERIOD, {"rls": {"wheel_torque": source}})
+        command = law.update(plant.state, plant.reference).command
+        assert np.abs(command.wrench[3:]).max() > 1.5
+        plant.step(command)
+        learned[source] = law.update(plant.state, plant.reference).telemetry["learned"][0]
+    assert learned == {"measured": 1.0, "commanded": 0.0}
+
+
 def test_laws_that_take_turns_share_the_reading() -> None:
     """Whichever answers, all count what was measured, and the next one starts from it."""
     plant = plant_of(**MEASURED)

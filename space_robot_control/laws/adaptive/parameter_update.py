@@ -26,7 +26,8 @@ class ParameterUpdate:
 
     RLS takes one row per actuated degree of freedom and period: state at the middle of the period, x'' from differenced
     rates, effort as measured, base torque by the readings of the wheels, or as commanded where there are none. A period
-    whose base command is beyond the nominal actuators is left out, because what acted is not known.
+    whose base command is beyond the nominal actuators is left out, because what acted is not known; of wheels that are
+    measured it is, and saturated periods teach as others do.
 
     Args:
         robot: the NOMINAL robot.
@@ -78,10 +79,13 @@ class ParameterUpdate:
         start = self._start
         if self._rls is None or start is None:
             return
+        unknown = start.wrench
         if wheels is not None:
             middle, torque = wheels
             start = start._replace(wheels=middle, wrench=np.concatenate((start.wrench[:3], torque)))
-        if not self._limits.base_fits(start.wrench):
+            # At its limit a torque that was read is as often beyond it as within: what acted is known all the same.
+            unknown = np.concatenate((start.wrench[:3], np.zeros(3)))
+        if not self._limits.base_fits(unknown):
             self._innovation = np.zeros(self._noise.size)
             return
         Y, tau = self._cycle.regression(self.estimate, start, x, dx, state)
