@@ -1,4 +1,4 @@
-"""Momentum of the reaction wheels, dead-reckoned from the commands."""
+"""Momentum of the reaction wheels: measured, or dead-reckoned from the commands."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ from space_robot_msgs_py.interfaces import Vector
 
 
 class WheelMomentum:
-    """Momentum h of the nominal wheels in the body frame, dead-reckoned from the commanded torque: h' = -torque.
+    """Momentum h of the nominal wheels in the body frame.
 
-    On a base that turns with omega the torque -omega x h acts beside the commanded one. No topic carries wheel speeds,
-    so h is the integral of the applied commands, of what the wheels can give of them: each within its torque, and none
-    beyond its momentum. Friction of the wheels is not in it. Robots without wheels have h = 0.
+    On a base that turns with omega the torque -omega x h acts beside the commanded one. Where a state has the measured
+    momentum (``plant.sensors.wheel_momentum``), h is that. Where it has not, h is dead-reckoned, h' = -torque: the
+    integral of the applied commands, of what the wheels can give of them, each within its torque, and none beyond its
+    momentum; friction and faults of the wheels are not in that. Robots without wheels have h = 0.
 
     Args:
         robot: the NOMINAL robot.
@@ -27,6 +28,8 @@ class WheelMomentum:
         present: whether there are wheels.
         momentum: (3,) h at the present stamp [N m s].
         middle: (3,) h in the middle of the period that ``apply`` was last called for [N m s].
+        measured: (3,) h in the middle of the period that ended at the present stamp [N m s], and (3,) the torque on the
+            base over it [N m], both from two readings; None: there are none.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -34,6 +37,9 @@ class WheelMomentum:
         self.present = isinstance(wheels, ReactionWheels)
         self.momentum: Vector = np.zeros(3)
         self.middle: Vector = self.momentum
+        self.measured: tuple[Vector, Vector] | None = None
+        self._read = False
+        self._begun: tuple[Vector, float] | None = None
         self._stored: list[float] = []
         if not isinstance(wheels, ReactionWheels):
             return
@@ -54,7 +60,24 @@ class WheelMomentum:
         if self.present:
             fresh._stored, fresh.momentum = self._initial
             fresh.middle = np.zeros(3)
+            fresh.measured, fresh._read, fresh._begun = None, False, None
         return fresh
+
+    def measure(self, momentum: Vector | None) -> None:
+        """Go on from a measured momentum (3,) [N m s]; None: there is none, and reckoning goes on.
+
+        Of what the single wheels hold each changes as little as that takes; of three or fewer it is then known.
+        """
+        self._read = momentum is not None and self.present
+        self.measured = None
+        if momentum is None or not self.present:
+            return
+        stored = np.array(self._stored) + self._limits.share @ (momentum - self.momentum)
+        # A copy: the kernels are compiled for arrays that can be written to.
+        self._stored, self.momentum = stored.tolist(), np.array(momentum)
+        if self._begun is not None:
+            before, seconds = self._begun
+            self.measured = 0.5 * (before + momentum), (before - momentum) / seconds
 
     def add_torque(self, u: Vector, omega: Vector) -> None:
         """Add omega x h to u (6+n,), what a base that turns at omega (3,) [rad/s] needs beside M a + c [N m]."""
@@ -65,6 +88,7 @@ class WheelMomentum:
         """Integrate the command u (6+n,) [N, N m] that acts over a time [s]."""
         if not self.present:
             return
+        self._begun = (self.momentum, seconds) if self._read else None
         # On Python's floats, where the rounding is the same: of so few numbers several times faster than NumPy.
         torque = self._taken @ u[3:6]
         rates, capacity = torque.tolist(), self._capacity

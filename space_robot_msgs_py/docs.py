@@ -53,6 +53,7 @@ _CONVENTIONS = """\
   derivatives of the twist's components.
 - `base/imu` and `base/wrench_command`: `base_link`, at its origin. `base/imu` repeats attitude and rate of `base/odom`;
   its linear acceleration is the inertial one of the base origin.
+- `base/wheel_momentum`: `base_link`; what the wheels hold relative to the base: a torque on the base takes from it.
 - Joint messages have an empty `frame_id` and name every joint in model order. `joint_command` has only effort;
   `reference/joints` has one point with `time_from_start` zero and no effort. Read, on the graph and in bags, they are
   matched by name: any order, other joints among them (a gripper), any `frame_id`, and arrays that are not used may be

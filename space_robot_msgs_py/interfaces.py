@@ -45,6 +45,8 @@ class RobotState:
         effort: (n,) motor effort at the joints, mean over the control period that ended at this stamp [N m or N].
         base_acceleration: (3,) inertial acceleration of the base origin, body frame, as an accelerometer reads it
             [m/s2].
+        wheel_momentum: (3,) momentum of the reaction wheels relative to the base, body frame [N m s]; None: it is not
+            measured.
     """
 
     stamp: int
@@ -52,6 +54,7 @@ class RobotState:
     v: Vector
     effort: Vector
     base_acceleration: Vector
+    wheel_momentum: Vector | None = None
 
     def __post_init__(self) -> None:
         n = np.size(self.effort)
@@ -62,6 +65,8 @@ class RobotState:
             effort=vector(self.effort, n, "state.effort"),
             base_acceleration=vector(self.base_acceleration, 3, "state.base_acceleration"),
         )
+        if self.wheel_momentum is not None:
+            _freeze(self, wheel_momentum=vector(self.wheel_momentum, 3, "state.wheel_momentum"))
 
     @property
     def joints(self) -> Vector:

@@ -85,6 +85,15 @@ BASE_IMU = Topic(
     "simulator",
     "angular rate and inertial acceleration of the base origin in `base_link`, as a sensor reads them",
 )
+WHEEL_MOMENTUM = Topic(
+    "base/wheel_momentum",
+    "geometry_msgs/msg/Vector3Stamped",
+    "state",
+    "simulator",
+    "measured momentum of the reaction wheels relative to the base, sum over their axes, in `base_link` [N m s]; in "
+    "runs with `plant.sensors.wheel_momentum`",
+    optional=True,
+)
 REFERENCE_BASE = Topic(
     "reference/base",
     "nav_msgs/msg/Odometry",
@@ -272,6 +281,7 @@ TABLE: tuple[Topic, ...] = (
     BASE_ODOM,
     JOINT_STATES,
     BASE_IMU,
+    WHEEL_MOMENTUM,
     REFERENCE_BASE,
     REFERENCE_BASE_ACCEL,
     REFERENCE_JOINTS,
@@ -297,5 +307,5 @@ TABLE: tuple[Topic, ...] = (
 
 
 def topics_of(kind: Kind) -> tuple[Topic, ...]:
-    """The rows that carry a value of that kind, in table order."""
-    return tuple(topic for topic in TABLE if topic.kind == kind)
+    """The rows that carry a value of that kind in every run, in table order."""
+    return tuple(topic for topic in TABLE if topic.kind == kind and not topic.optional)

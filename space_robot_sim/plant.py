@@ -31,7 +31,7 @@ from space_robot_sim.kernel.period import PlantMemory, advance, plant_memory, re
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
-from space_robot_sim.sensors import Sensors
+from space_robot_sim.sensors import Sensors, check_wheels
 from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
 
@@ -86,11 +86,14 @@ class SimulatedRobot:
         self._plan = faults or FaultPlan((), control_period, 0)
         self._actuation = ActuationStage(self._plan, robot.joint_names, self._able, self._seconds)
         self._wire = CommandWire(self._plan)
-        self._sensing = SensorStage(self._plan, sensors or SensorSpec())
+        sensors = sensors or SensorSpec()
+        check_wheels(sensors, robot)
+        self._reads_wheels = sensors.wheel_momentum is not None
+        self._sensing = SensorStage(self._plan, sensors)
         self._how = stepping(spec, self._arrays, control_period, rough=bool(self._plan.of(JointFriction)))
         self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
-        self._sensors = Sensors(sensors or SensorSpec(), robot.n, control_period, seed)
+        self._sensors = Sensors(sensors, robot.n, control_period, seed)
         self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4")
         self._memory = plant_memory(robot.n, self._wheels.size)
         if self._compiled:
@@ -197,7 +200,8 @@ class SimulatedRobot:
     def _show(self, acting: Acting) -> PlantSample:
         plant, n = self._memory, self._n
         y, gauges = plant.y, plant.gauges
-        truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:])
+        wheels = self._able.axes @ plant.wheels if self._reads_wheels else None
+        truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:], wheels)
         state, telemetry = self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant)
         found = self._monitor.events(self._stamp)
         if not self._plan.planned:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.robot import Robot
+from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
 from space_robot_sim.spec import ChannelSpec, SensorSpec
@@ -17,7 +19,7 @@ MAX_DELAY = 10_000  # control periods; every one of them is kept
 
 
 class Sensors:
-    """The suite of one robot.
+    """The suite of one robot; the truth it measures has the momentum of the wheels where the suite has that channel.
 
     Every channel draws from a generator of its own, so noise on one channel never changes another.
 
@@ -43,6 +45,9 @@ class Sensors:
             "joint_velocity": joints,
             "acceleration": 3,
         }
+        # Last: the generators of the others stay what they are without it.
+        if spec.wheel_momentum is not None:
+            self._sizes["wheel_momentum"] = 3
         self.ideal = all(getattr(spec, name).ideal for name in self._sizes)
         self.reset()
 
@@ -70,10 +75,23 @@ class Sensors:
             read["angular_velocity"](v[3:6]),
             read["joint_velocity"](v[6:]),
         )
-        acceleration = read["acceleration"](truth.base_acceleration)
+        acceleration, wheels = read["acceleration"](truth.base_acceleration), truth.wheel_momentum
+        if wheels is not None:
+            wheels = read["wheel_momentum"](wheels)
         return RobotState(
-            truth.stamp, np.concatenate(configuration), np.concatenate(velocity), truth.effort, acceleration
+            truth.stamp, np.concatenate(configuration), np.concatenate(velocity), truth.effort, acceleration, wheels
         )
+
+
+def check_wheels(spec: SensorSpec, robot: Robot) -> None:
+    """Refuse readings of wheels that a robot does not have.
+
+    Raises:
+        SpecError: the momentum of its wheels is to be measured, and it has none.
+    """
+    if spec.wheel_momentum is not None and not isinstance(robot.actuators.base_torque, ReactionWheels):
+        accepted = "a robot whose base_torque is reaction_wheels, or null"
+        raise SpecError("the robot has no wheels", key="plant.sensors.wheel_momentum", accepted=accepted)
 
 
 @dataclass(slots=True)

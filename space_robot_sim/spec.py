@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat, PositiveInt
+from pydantic import (
+    AfterValidator,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    PositiveInt,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
 
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import SpecError
@@ -115,7 +123,7 @@ class MonitorSpec(Strict):
 
 
 class SensorSpec(Strict):
-    """All channels; each is ideal until something is said about it."""
+    """All channels; each is ideal until something is said about it, that of the wheels absent."""
 
     position: ChannelSpec = Field(default_factory=ChannelSpec, description="base position [m]")
     attitude: ChannelSpec = Field(default_factory=ChannelSpec, description="small rotation of the body frame [rad]")
@@ -124,3 +132,12 @@ class SensorSpec(Strict):
     joint_position: ChannelSpec = Field(default_factory=ChannelSpec, description="[rad or m]")
     joint_velocity: ChannelSpec = Field(default_factory=ChannelSpec, description="[rad/s or m/s]")
     acceleration: ChannelSpec = Field(default_factory=ChannelSpec, description="base origin, body frame [m/s2]")
+    wheel_momentum: ChannelSpec | None = Field(
+        default=None,
+        description="of the reaction wheels, sum over their axes, body frame [N m s]; {}: ideal; null: not measured",
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # The log of a run without wheel readings is, to the byte, what it was before there were any.
+        return {key: value for key, value in handler(self).items() if key != "wheel_momentum" or value is not None}

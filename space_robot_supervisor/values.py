@@ -28,7 +28,7 @@ class Snapshot:
         reference: of the same stamp, as guidance gave it.
         command: the last one of the controller; None at the first tick.
         telemetry: that came with it.
-        wheels: (3,) momentum of the nominal wheels, dead-reckoned from the commands [N m s].
+        wheels: (3,) momentum of the nominal wheels, measured or dead-reckoned from the commands [N m s].
         counts: of the plant's command monitor, by name.
 
     Attributes:

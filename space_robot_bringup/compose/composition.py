@@ -33,7 +33,15 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
 from space_robot_msgs_py.limits import YAML_BYTES, YAML_NODES
 from space_robot_msgs_py.log.header import LogHeader
-from space_robot_msgs_py.topics import EVENTS, FAULTS, HOUSEKEEPING, PLANT_EVENTS, SUPERVISOR_MODE, Topic
+from space_robot_msgs_py.topics import (
+    EVENTS,
+    FAULTS,
+    HOUSEKEEPING,
+    PLANT_EVENTS,
+    SUPERVISOR_MODE,
+    WHEEL_MOMENTUM,
+    Topic,
+)
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
@@ -85,13 +93,14 @@ class Composition:
     @property
     def optional_topics(self) -> tuple[Topic, ...]:
         """The topics that only some runs have and this one does."""
-        table = self.experiment.supervision
+        table, sensors = self.experiment.supervision, getattr(self.experiment.plant, "sensors", None)
         wanted = {
             EVENTS: table,
             FAULTS: self.faults,
             PLANT_EVENTS: self.experiment.plant.monitor,
             SUPERVISOR_MODE: table,
             HOUSEKEEPING: None if table is None else table.housekeeping,
+            WHEEL_MOMENTUM: None if sensors is None else sensors.wheel_momentum,
         }
         return tuple(topic for topic, section in wanted.items() if section is not None)
 

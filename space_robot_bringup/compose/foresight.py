@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.experiment.plant import PlantSpec
+from space_robot_control.laws.adaptive.gains import AdaptiveGains
 from space_robot_control.laws.registry import BUILT_IN
 from space_robot_description.foresight import robot_warnings
 from space_robot_description.mass_matrix import mass_matrix, reduced_mass_matrix
@@ -17,11 +18,13 @@ from space_robot_description.report import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels, expand
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
+from space_robot_sim.spec import ChannelSpec
 
 # Shipped laws without friction in their model; mfac finds out what a channel does with a command, friction included.
 _FRICTIONLESS = tuple(sorted(set(BUILT_IN) - {"mfac"}))
 # References that are looked at; a step or a corner between two of them is seen in the accelerations around it.
 _SAMPLES = 200
+_RLS_UPDATES = ("rls", "rls_filtered", "composite")
 # Of a limit; below, the limit does not decide.
 _FULL = 1.0 + 1e-9
 
@@ -33,7 +36,8 @@ def foreseen(composition: Composition) -> tuple[str, ...]:
         composition: of the run; nothing of it is stepped.
     """
     of_robot = robot_warnings(composition.nominal)
-    if not isinstance(composition.experiment.plant, PlantSpec):
+    plant = composition.experiment.plant
+    if not isinstance(plant, PlantSpec):
         # The testbeds' joints are a grasp: no motor moves them.
         return of_robot
     references = _references(composition)
@@ -42,6 +46,7 @@ def foreseen(composition: Composition) -> tuple[str, ...]:
         *_momentum(composition, references[-1]),
         *_efforts(composition.nominal, references),
         *_friction(composition),
+        *_readings(composition, plant.sensors.wheel_momentum),
         *_fast(composition),
     )
 
@@ -112,6 +117,22 @@ def _friction(composition: Composition) -> Iterator[str]:
     if acting and laws:
         known = f"which {', '.join(laws)} does not know: joints may lag or stop short"
         yield f"the joints have friction ({', '.join(acting)}), {known}"
+
+
+def _readings(composition: Composition, channel: ChannelSpec | None) -> Iterator[str]:
+    """Least squares take the torque of the wheels from two readings: their noise over the period is noise of a row."""
+    experiment = composition.experiment
+    noise = 0.0 if channel is None else np.sqrt(2.0) * float(np.max(channel.noise)) / experiment.control_period
+    for name, spec in experiment.controller.laws.items():
+        if spec.law != "adaptive" or noise == 0.0:
+            continue
+        gains = AdaptiveGains.model_validate(spec.gains)
+        rls = gains.rls
+        if gains.update in _RLS_UPDATES and rls.wheel_torque == "measured" and noise > 2.0 * rls.torque_noise:
+            yield (
+                f"the readings of the wheels give {name} torques with a noise of {noise:.3g} N m, of which it takes "
+                f"{rls.torque_noise:g} (rls.torque_noise): its estimate will follow the noise"
+            )
 
 
 def _fast(composition: Composition) -> Iterator[str]:

@@ -158,6 +158,7 @@ class RunSupervisor:
         if command is not None and self._counts_wheels and command.stamp > self._noted:
             self._noted = command.stamp
             self._wheels.apply(self._line.acting(command, True)[0].u, self._seconds)
+        self._wheels.measure(state.wheel_momentum)
         known = Snapshot(state, reference, command, telemetry, self._wheels.momentum, self._counts)
         return self._supervisor.update(known)
 

@@ -26,6 +26,7 @@ from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.log.writer import LogWriter
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
+from space_robot_msgs_py.topics import WHEEL_MOMENTUM
 from space_robot_sim.nodes.credit import AHEAD_BESIDE, AHEAD_IN_ONE_PROCESS, AHEAD_PACED
 from space_robot_sim.nodes.recorder import RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
@@ -88,8 +89,8 @@ def make_node(
         return _supervisor_node(composition, lossless=realtime is None, **options)
     if role == "controller":
         supervised = composition.experiment.supervision is not None
-        paced = realtime is not None
-        return ControllerNode(composition.controller, names, paced=paced, supervised=supervised, **options)
+        options |= {"supervised": supervised, "wheels": WHEEL_MOMENTUM in composition.optional_topics}
+        return ControllerNode(composition.controller, names, paced=realtime is not None, **options)
     timing |= optional | {"ahead": ahead}
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options

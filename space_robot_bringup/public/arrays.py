@@ -26,6 +26,7 @@ class BaseArrays:
         linear_velocity: (K, 3) of the base origin, body frame [m/s].
         angular_velocity: (K, 3) body frame [rad/s].
         acceleration: (K, 3) inertial acceleration of the base origin, body frame, as an accelerometer reads it [m/s2].
+        wheel_momentum: (K, 3) of the reaction wheels, body frame [N m s]; None: it was not measured.
     """
 
     position: Vector
@@ -33,6 +34,7 @@ class BaseArrays:
     linear_velocity: Vector
     angular_velocity: Vector
     acceleration: Vector
+    wheel_momentum: Vector | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -154,6 +156,8 @@ class RunArrays:
     def _columns(self, name: str, value: Any) -> Iterator[tuple[str, Vector]]:
         if is_dataclass(value):
             value = {field.name: getattr(value, field.name) for field in fields(value)}
+        if value is None:
+            return
         if isinstance(value, Mapping):
             for part, inner in value.items():
                 yield from self._columns(f"{name}.{part}", inner)
@@ -184,7 +188,9 @@ def run_arrays(log: LogArrays, joint_names: tuple[str, ...]) -> RunArrays:
         joint_names=joint_names,
         stamp=log.stamp,
         time=log.time,
-        base=BaseArrays(log.q[:, :3], log.q[:, 3:7], log.v[:, :3], log.v[:, 3:6], log.base_acceleration),
+        base=BaseArrays(
+            log.q[:, :3], log.q[:, 3:7], log.v[:, :3], log.v[:, 3:6], log.base_acceleration, log.wheel_momentum
+        ),
         joints=JointArrays(log.q[:, 7:], log.v[:, 6:], log.effort),
         reference=ReferenceArrays(
             DesiredBase(q_d[:, :3], q_d[:, 3:7], v_d[:, :3], v_d[:, 3:6], a_d[:, :3], a_d[:, 3:6]),
@@ -197,4 +203,5 @@ def run_arrays(log: LogArrays, joint_names: tuple[str, ...]) -> RunArrays:
 
 def _lock(arrays: Any) -> None:
     for array in arrays.values() if isinstance(arrays, dict) else (arrays,):
-        array.setflags(write=False)
+        if array is not None:
+            array.setflags(write=False)

@@ -14,7 +14,15 @@ from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import DiagnosticEvent, said
 from space_robot_msgs_py.interfaces import Command, PlantSample
 from space_robot_msgs_py.log.arrays import Row
-from space_robot_msgs_py.topics import BASE_ODOM, FAULTS, PLANT_EVENTS, PLANT_TELEMETRY, Topic, topics_of
+from space_robot_msgs_py.topics import (
+    BASE_ODOM,
+    FAULTS,
+    PLANT_EVENTS,
+    PLANT_TELEMETRY,
+    WHEEL_MOMENTUM,
+    Topic,
+    topics_of,
+)
 
 FAILED = "simulator: "
 _SHOWN = (*topics_of("state"), PLANT_TELEMETRY)
@@ -51,7 +59,8 @@ class _PlantReplay(SideReplay):
             accepted = f"{needed} from stamp 0 on"
             raise LogError("nothing to compare with a plant", key=str(self._recording.path), accepted=accepted)
         stop = self._step_through(rows)
-        return self._outcome("plant", _SHOWN, stop)
+        shown = [*_SHOWN, *{WHEEL_MOMENTUM}.intersection(self._composition.optional_topics)]
+        return self._outcome("plant", shown, stop)
 
     def _step_through(self, rows: list[Row]) -> str:
         """Compare row by row; returns why not to the end, or nothing."""
@@ -70,7 +79,7 @@ class _PlantReplay(SideReplay):
     def _show(self, row: Row, sample: PlantSample) -> None:
         stamp, parts = row
         self._ticks, self._last = self._ticks + 1, stamp
-        state = zip(self._codec.state.topics, self._codec.state.encode(sample.state), strict=True)
+        state = self._codec.encode_state(sample.state)
         telemetry = self._codec.plant_telemetry.encode(sample.telemetry)[0]
         self._comparison.compare(stamp, parts, [*state, (PLANT_TELEMETRY, telemetry)])
         for topic, events in ((FAULTS, sample.faults), (PLANT_EVENTS, sample.events)):

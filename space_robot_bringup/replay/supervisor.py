@@ -92,7 +92,7 @@ class _SupervisorReplay(SideReplay):
             self._comparison.event(SUPERVISOR_MODE.name, stamp, "law", was, now)
 
     def _inputs(self, stamp: int, parts: Mapping[str, bytes]) -> tuple[RobotState, Reference]:
-        state = self._codec.state.decode([parts[topic.name] for topic in self._codec.state.topics])
+        state = self._codec.decode_state(parts)
         if not any(topic.name in parts for topic in self._codec.reference.topics):
             return state, self._source.at(stamp)
         return state, self._codec.reference.decode([parts[topic.name] for topic in self._codec.reference.topics])

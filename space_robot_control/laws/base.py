@@ -71,7 +71,8 @@ class Law(Tunable, ABC):
 
     Attributes:
         inbox: what stands between messages and law; None: nothing, as in every run without faults of links.
-        wheels: momentum of the nominal wheels at the stamp of the state, dead-reckoned from the applied commands.
+        wheels: momentum of the nominal wheels at the stamp of the state: measured, or dead-reckoned from the applied
+            commands.
 
     Args:
         robot: the NOMINAL robot; a law never sees the true one.
@@ -224,6 +225,7 @@ class Law(Tunable, ABC):
             ControlError: a value in the control law is not finite or singular.
         """
         self._check(state, reference)
+        self.wheels.measure(state.wheel_momentum)
         try:
             u, blocks = self.compute(state, reference)
         except Located:

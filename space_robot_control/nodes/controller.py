@@ -46,6 +46,7 @@ class ControllerNode(ManagedNode):
         joint_names: the robot's joints in model order.
         paced: the clock does not wait for answers.
         supervised: a supervisor decides on the mode of every state, and the law is a ``SupervisedController``.
+        wheels: states have the momentum of the wheels.
         name: node name.
         options: see ManagedNode.
     """
@@ -57,6 +58,7 @@ class ControllerNode(ManagedNode):
         *,
         paced: bool = False,
         supervised: bool = False,
+        wheels: bool = False,
         name: str = "controller",
         **options: Any,
     ) -> None:
@@ -71,7 +73,7 @@ class ControllerNode(ManagedNode):
         self._waiting: tuple[RobotState, Reference, tuple[bytes, ...]] | None = None
         self._modes = SupervisionCodec()
         beside = [(SUPERVISOR_MODE, self._read_mode)] if supervised else []
-        self._inputs = TickInputs(self, joint_names, self._take_in, beside, self._answer_again)
+        self._inputs = TickInputs(self, joint_names, self._take_in, beside, self._answer_again, wheels=wheels)
         # The newest answer, and whom it was given by.
         self._said: tuple[int, list[tuple[Publisher, bytes]]] = -1, []
         self.keep()

@@ -22,6 +22,7 @@ from space_robot_msgs_py.codec.topic_bytes import (
     plant_events,
 )
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec
+from space_robot_msgs_py.codec.wheel_momentum import WheelMomentumCodec
 
 __all__ = [
     "LOGGED",
@@ -34,6 +35,7 @@ __all__ = [
     "TelemetryCodec",
     "TickCodec",
     "TopicBytes",
+    "WheelMomentumCodec",
     "decode_clock",
     "decode_events",
     "decode_statuses",

@@ -20,6 +20,7 @@ _NUMBERS: dict[str, tuple[str, ...]] = {
     "orientation": _XYZW,
     "angular_velocity": _XYZ,
     "linear_acceleration": _XYZ,
+    "vector": _XYZ,
 }
 
 

@@ -35,6 +35,11 @@ def imu(topic: str) -> Layout:
     return builder.build()
 
 
+def vector_stamped(topic: str) -> Layout:
+    """geometry_msgs/Vector3Stamped in `base_link`; holes: stamp, vector (3)."""
+    return LayoutBuilder(topic).stamp().string(BASE_LINK, "header.frame_id").doubles(3, "vector").build()
+
+
 def accel_stamped(topic: str) -> Layout:
     """geometry_msgs/AccelStamped in `base_link_desired`; holes: stamp, acceleration (6)."""
     return LayoutBuilder(topic).stamp().string(BASE_LINK_DESIRED, "header.frame_id").doubles(6, "accel").build()

@@ -16,9 +16,18 @@ from space_robot_msgs_py.codec.supervision import SupervisionCodec
 from space_robot_msgs_py.codec.telemetry import TelemetryCodec
 from space_robot_msgs_py.codec.texts import decode_events, encode_events, peek_stamp
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec, check_size
+from space_robot_msgs_py.codec.wheel_momentum import WheelMomentumCodec
 from space_robot_msgs_py.errors import CommandError, LayoutError
 from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
-from space_robot_msgs_py.interfaces import ControlOutput, PlantSample, Reference, Supervision, Telemetry, Tick
+from space_robot_msgs_py.interfaces import (
+    ControlOutput,
+    PlantSample,
+    Reference,
+    RobotState,
+    Supervision,
+    Telemetry,
+    Tick,
+)
 from space_robot_msgs_py.limits import TELEMETRY_BYTES
 from space_robot_msgs_py.topics import (
     CONTROLLER_EVENTS,
@@ -30,6 +39,7 @@ from space_robot_msgs_py.topics import (
     PLANT_TELEMETRY,
     SUPERVISOR_MODE,
     TABLE,
+    WHEEL_MOMENTUM,
     Topic,
 )
 
@@ -42,7 +52,7 @@ DIAGNOSTICS: tuple[Topic, ...] = (FAULTS, PLANT_EVENTS, EVENTS)
 
 def value_layouts(joint_names: Sequence[str]) -> dict[Topic, Layout]:
     """The layout of each message of state, reference and command for a robot's joints, in model order."""
-    codecs = (StateCodec(joint_names), ReferenceCodec(joint_names), CommandCodec(joint_names))
+    codecs = (StateCodec(joint_names), WheelMomentumCodec(), ReferenceCodec(joint_names), CommandCodec(joint_names))
     return {topic: layout for codec in codecs for topic, layout in zip(codec.topics, codec.layouts, strict=True)}
 
 
@@ -59,7 +69,7 @@ class TickCodec:
     """
 
     def __init__(self, joint_names: Sequence[str]) -> None:
-        self.state = StateCodec(joint_names)
+        self.state, self.wheels = StateCodec(joint_names), WheelMomentumCodec()
         self.reference = ReferenceCodec(joint_names)
         self.command = CommandCodec(joint_names)
         self.controller_telemetry = TelemetryCodec(CONTROLLER_TELEMETRY)
@@ -82,6 +92,7 @@ class TickCodec:
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return (
             *self.state.encode(sample.state),
+            self.wheels.of(sample.state),
             *self.reference.encode(tick.reference),
             encode_events(output.events) if output.events else None,
             *self.encode_supervision(tick.stamp, tick.supervision),
@@ -131,7 +142,7 @@ class TickCodec:
         self, sample: PlantSample, reference: Reference, supervision: Supervision | None = None
     ) -> tuple[bytes | None, ...]:
         """The messages of a state without an answer, in the order of ``LOGGED``; None where there is none."""
-        parts = dict(zip(self.state.topics, self.state.encode(sample.state), strict=True))
+        parts = dict(self.encode_state(sample.state))
         parts |= zip(self.reference.topics, self.reference.encode(reference), strict=True)
         parts[PLANT_TELEMETRY] = self.plant_telemetry.encode(sample.telemetry)[0]
         parts |= {topic: encode_statuses(found) for topic, found in plant_events(sample)}
@@ -143,6 +154,23 @@ class TickCodec:
         }
         return tuple(parts.get(topic) for topic in LOGGED)
 
+    def encode_state(self, state: RobotState) -> list[tuple[Topic, bytes]]:
+        """The messages of a state with their topics; that of the wheels where they are measured."""
+        parts = list(zip(self.state.topics, self.state.encode(state), strict=True))
+        wheels = self.wheels.of(state)
+        return parts if wheels is None else [*parts, (WHEEL_MOMENTUM, wheels)]
+
+    def decode_state(self, parts: Mapping[str, bytes]) -> RobotState:
+        """The state in the messages of one stamp, by topic name.
+
+        Raises:
+            KeyError: a message of it is not there; that of the wheels need not be.
+            LayoutError: a message does not fit its topic, or the stamps differ.
+            NonFiniteError: a number is NaN or infinite.
+        """
+        state = self.state.decode([parts[topic.name] for topic in self.state.topics])
+        return self.wheels.added(state, parts.get(WHEEL_MOMENTUM.name))
+
     def decode(self, parts: Mapping[str, bytes]) -> Tick:
         """The tick in the messages of one stamp, by topic name; telemetry that is not there becomes empty.
 
@@ -150,7 +178,7 @@ class TickCodec:
             LayoutError: a message does not fit its topic, or the stamps differ (CommandError for commands).
             NonFiniteError: a number is NaN or infinite.
         """
-        state = self.state.decode([parts[topic.name] for topic in self.state.topics])
+        state = self.decode_state(parts)
         reference = self.reference.decode([parts[topic.name] for topic in self.reference.topics])
         command = self.command.decode([parts[topic.name] for topic in self.command.topics])
         if not state.stamp == reference.stamp == command.stamp:

@@ -9,11 +9,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, TelemetryCodec
+from space_robot_msgs_py.codec.codecs import (
+    CommandCodec,
+    ReferenceCodec,
+    StateCodec,
+    TelemetryCodec,
+    WheelMomentumCodec,
+)
 from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.errors import LayoutError, LogError, NonFiniteError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry, Tick, Vector
-from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, Topic
+from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, WHEEL_MOMENTUM, Topic
 
 Row = tuple[int, dict[str, bytes]]
 Stamps = npt.NDArray[np.int64]
@@ -37,6 +43,7 @@ class LogArrays:
         effort_command: (K, n) commanded joint effort.
         controller: (K, size) telemetry of the controller by label.
         plant: (K, size) telemetry of the plant by label.
+        wheel_momentum: (K, 3) measured; None: it was not.
     """
 
     stamp: npt.NDArray[np.int64]
@@ -52,6 +59,7 @@ class LogArrays:
     effort_command: Vector
     controller: dict[str, Vector]
     plant: dict[str, Vector]
+    wheel_momentum: Vector | None = None
 
 
 def stack_ticks(rows: Sequence[Row], joint_names: Sequence[str], key: str, *, one_stamp: bool = False) -> LogArrays:
@@ -72,6 +80,7 @@ def stack_ticks(rows: Sequence[Row], joint_names: Sequence[str], key: str, *, on
     wanted = stamp if one_stamp else None
     try:
         state = [_stack(rows, *one, wanted) for one in _parts(StateCodec(joint_names))]
+        wheels = _stack_wheels(rows, wanted)
         reference = [_stack(rows, *one, wanted) for one in _parts(ReferenceCodec(joint_names))]
         command = [_stack(rows, *one, wanted) for one in _parts(CommandCodec(joint_names))]
         controller = _stack_telemetry(rows, CONTROLLER_TELEMETRY, wanted)
@@ -96,6 +105,7 @@ def stack_ticks(rows: Sequence[Row], joint_names: Sequence[str], key: str, *, on
         effort_command=command[1][0],
         controller=controller,
         plant=plant,
+        wheel_momentum=wheels,
     )
 
 
@@ -104,8 +114,13 @@ def arrays_of(ticks: Sequence[Tick]) -> LogArrays:
 
     Args:
         ticks: at least one.
+
+    Raises:
+        LayoutError: the layout of telemetry changes, or only some ticks have the momentum of the wheels.
     """
     states, references = [tick.sample.state for tick in ticks], [tick.reference for tick in ticks]
+    wheels = [state.wheel_momentum for state in states if state.wheel_momentum is not None]
+    _check_all(WHEEL_MOMENTUM, len(wheels), len(ticks))
     commands = [tick.output.command for tick in ticks]
     stamp = np.array([state.stamp for state in states], dtype=np.int64)
     return LogArrays(
@@ -122,6 +137,7 @@ def arrays_of(ticks: Sequence[Tick]) -> LogArrays:
         effort_command=np.array([command.effort for command in commands]),
         controller=stack_telemetry([tick.output.telemetry for tick in ticks]),
         plant=stack_telemetry([tick.sample.telemetry for tick in ticks]),
+        wheel_momentum=np.array(wheels) if wheels else None,
     )
 
 
@@ -149,7 +165,7 @@ def _blocks(labels: Sequence[str], sizes: Sequence[int], data: Vector) -> dict[s
     return {label: data[:, a:b] for label, a, b in zip(labels, edges[:-1], edges[1:], strict=True)}
 
 
-def _parts(codec: StateCodec | ReferenceCodec | CommandCodec) -> list[tuple[Topic, Layout]]:
+def _parts(codec: StateCodec | WheelMomentumCodec | ReferenceCodec | CommandCodec) -> list[tuple[Topic, Layout]]:
     return list(zip(codec.topics, codec.layouts, strict=True))
 
 
@@ -173,13 +189,26 @@ def _nanoseconds(stamps: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return nanoseconds
 
 
+def _stack_wheels(rows: Sequence[Row], wanted: Stamps | None) -> Vector | None:
+    """The momentum of the wheels over time; None where it was not measured."""
+    if not _check_all(WHEEL_MOMENTUM, sum(WHEEL_MOMENTUM.name in parts for _, parts in rows), len(rows)):
+        return None
+    ((topic, layout),) = _parts(WheelMomentumCodec())
+    return _stack(rows, topic, layout, wanted)[0]
+
+
+def _check_all(topic: Topic, present: int, ticks: int) -> bool:
+    """Whether the ticks have messages of a topic, which must be all of them or none."""
+    if present not in (0, ticks):
+        raise LayoutError("at some ticks only", key=topic.name, value=f"{present} of {ticks}")
+    return present > 0
+
+
 def _stack_telemetry(rows: Sequence[Row], topic: Topic, wanted: Stamps | None) -> dict[str, Vector]:
     """The blocks of telemetry over time by label; nothing where the run has none."""
     present = [parts[topic.name] for _, parts in rows if topic.name in parts]
-    if not present:
+    if not _check_all(topic, len(present), len(rows)):
         return {}
-    if len(present) != len(rows):
-        raise LayoutError("telemetry at some ticks only", key=topic.name, value=f"{len(present)} of {len(rows)}")
     codec = TelemetryCodec(topic)
     labels, sizes = codec.shape(present[0])
     (data,) = _stack(rows, topic, codec.layout_of(present[0]), wanted)

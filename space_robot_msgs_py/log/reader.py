@@ -31,7 +31,13 @@ from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, flatten, messag
 from space_robot_msgs_py.log.mcap.summary import summary_in
 from space_robot_msgs_py.log.preamble import END_NAME, RECORDED, log_name
 from space_robot_msgs_py.paths import StrPath
-from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, PLANT_TELEMETRY, ROBOT_DESCRIPTION, topics_of
+from space_robot_msgs_py.topics import (
+    CONTROLLER_TELEMETRY,
+    PLANT_TELEMETRY,
+    ROBOT_DESCRIPTION,
+    WHEEL_MOMENTUM,
+    topics_of,
+)
 
 _NAMES = {log_name(topic): topic.name for topic in RECORDED}
 # Not of a tick: once per run, or derived from the tick when the log is written.
@@ -105,13 +111,15 @@ class LogReader:
     def rows(self) -> Iterator[Row]:
         """Stamp [ns] and messages by topic name of every complete tick, in order.
 
-        A tick is complete with state, reference and command, and with telemetry if the run has any.
+        A tick is complete with state, reference and command, and with telemetry if the run has any; the momentum of
+        the wheels is part of the state where the header names it.
         """
+        essential = _ESSENTIAL | {WHEEL_MOMENTUM.name}.intersection(self.header.topics)
         needed: frozenset[str] | None = None
         for (stamp, parts), finished in self._groups():
             if needed is None:
                 # The first finished tick tells what telemetry this run has; a cut one must have everything.
-                needed = _ESSENTIAL | (_TELEMETRY & parts.keys() if finished else _TELEMETRY)
+                needed = essential | (_TELEMETRY & parts.keys() if finished else _TELEMETRY)
             if parts.keys() >= needed:
                 yield stamp, parts
 

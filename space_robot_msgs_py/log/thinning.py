@@ -15,6 +15,7 @@ MAX_TICKS = 10_000
 MAX_COLUMNS = 250
 MIN_STRETCHES = 16
 _FIELDS = ("q", "v", "effort", "base_acceleration", "q_d", "v_d", "a_d", "wrench", "effort_command")
+_OPTIONAL = ("wheel_momentum",)
 
 
 class Thinner:
@@ -107,6 +108,9 @@ def _parts(arrays: LogArrays) -> Iterator[tuple[str, str, Vector]]:
     """Side, label and columns of everything in a log; what is drawn most stands in front."""
     for name in _FIELDS:
         yield "", name, getattr(arrays, name)
+    for name in _OPTIONAL:
+        if (block := getattr(arrays, name)) is not None:
+            yield "", name, block
     for side, blocks in (("plant", arrays.plant), ("controller", arrays.controller)):
         for label, block in blocks.items():
             yield side, label, block

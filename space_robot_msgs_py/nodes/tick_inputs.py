@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
 
-from space_robot_msgs_py.codec.codecs import ReferenceCodec, StateCodec
-from space_robot_msgs_py.codec.values import Blocks, all_finite
+from space_robot_msgs_py.codec.codecs import ReferenceCodec, StateCodec, WheelMomentumCodec
+from space_robot_msgs_py.codec.values import Blocks, PartsCodec, all_finite
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Reference, RobotState
 from space_robot_msgs_py.joiner import StampJoiner
@@ -27,6 +29,7 @@ class TickInputs:
         take: called with state, reference, and the messages of the other topics.
         beside: further topics that have one message at every stamp, and how to read it.
         repeated: called with the stamp [ns] when the state that was given out last is heard again.
+        wheels: states have the momentum of the wheels.
 
     Attributes:
         topics: what is listened to.
@@ -39,13 +42,18 @@ class TickInputs:
         take: Take,
         beside: Sequence[tuple[Topic, Reader]] = (),
         repeated: Callable[[int], None] = lambda stamp: None,
+        *,
+        wheels: bool = False,
     ) -> None:
         self._node, self._take, self._repeated = node, take, repeated
         self.forget()
         self._state, self._reference = StateCodec(joint_names), ReferenceCodec(joint_names)
-        self._split = len(self._state.topics)
-        self._whole = self._split + len(self._reference.topics)
-        self.topics = (*self._state.topics, *self._reference.topics, *(topic for topic, _ in beside))
+        self._wheels = WheelMomentumCodec() if wheels else None
+        measured: tuple[PartsCodec[Any], ...] = (self._state,) if self._wheels is None else (self._state, self._wheels)
+        self._codecs = [(codec, part) for codec in (*measured, self._reference) for part in range(len(codec.topics))]
+        self._whole = len(self._codecs)
+        self._split = self._whole - len(self._reference.topics)
+        self.topics = (*(codec.topics[part] for codec, part in self._codecs), *(topic for topic, _ in beside))
         self._joiner: StampJoiner[Blocks] = StampJoiner(
             len(self.topics), JOIN_CAPACITY, once=False, choose=self._choose
         )
@@ -65,7 +73,7 @@ class TickInputs:
 
     def _listen_part(self, index: int) -> None:
         topic = self.topics[index]
-        codec, part = (self._state, index) if index < self._split else (self._reference, index - self._split)
+        codec, part = self._codecs[index]
 
         def on_part(raw: bytes) -> None:
             try:
@@ -110,7 +118,9 @@ class TickInputs:
 
     def _join(self, stamp: int, parts: Sequence[Blocks]) -> None:
         try:
-            state = self._state.join(stamp, parts[: self._split])
+            state = self._state.join(stamp, parts[: len(self._state.topics)])
+            if self._wheels is not None:
+                state = replace(state, wheel_momentum=self._wheels.join(stamp, parts[self._split - 1 : self._split])[1])
             reference = self._reference.join(stamp, parts[self._split : self._whole])
         except SpaceRobotError as error:
             for index, blocks in enumerate(parts):

@@ -84,6 +84,8 @@ def effort_plots(arrays: LogArrays, joints: Sequence[str], robot: Robot | None) 
     yield _answered("Joint efforts [N m or N]", time, effort, arrays.effort_command, joints, note)
     if "wheel_momentum" in arrays.plant:
         yield _wheels(time, arrays.plant["wheel_momentum"], robot)
+    if arrays.wheel_momentum is not None:
+        yield Plot("Momentum of the wheels as measured [N m s]", lines(time, arrays.wheel_momentum, XYZ))
 
 
 def conservation_plots(arrays: LogArrays) -> Iterator[Plot]:

@@ -55,7 +55,7 @@ class SensorStage:
 
 def _channels(state: RobotState) -> dict[str, Vector]:
     q, v = state.q, state.v
-    return {
+    channels = {
         "position": q[:3],
         "attitude": q[3:7],
         "joint_position": q[7:],
@@ -64,9 +64,10 @@ def _channels(state: RobotState) -> dict[str, Vector]:
         "joint_velocity": v[6:],
         "acceleration": state.base_acceleration,
     }
+    return channels if state.wheel_momentum is None else channels | {"wheel_momentum": state.wheel_momentum}
 
 
 def _state(state: RobotState, channels: dict[str, Vector]) -> RobotState:
     q = np.concatenate([channels[name] for name in ("position", "attitude", "joint_position")])
     v = np.concatenate([channels[name] for name in ("linear_velocity", "angular_velocity", "joint_velocity")])
-    return RobotState(state.stamp, q, v, state.effort, channels["acceleration"])
+    return RobotState(state.stamp, q, v, state.effort, channels["acceleration"], channels.get("wheel_momentum"))

@@ -25,6 +25,7 @@ Channel = Literal[
     "joint_position",
     "joint_velocity",
     "acceleration",
+    "wheel_momentum",
 ]
 Probability = Annotated[float, Field(gt=0.0, le=1.0)]
 Numbers = float | tuple[float, ...]
@@ -69,6 +70,12 @@ class SensorFault(Fault):
         """Numbers of an error; 0: one per joint."""
         return 0 if self.channel.startswith("joint") else 3
 
+    def check(self, site: FaultSite, key: str) -> None:
+        """Refuse a channel that is not measured."""
+        if getattr(site.sensors, self.channel) is None:
+            accepted = f"plant.sensors.{self.channel} in the experiment, or another channel"
+            raise SpecError("is not measured", key=f"{key}.channel", value=self.channel, accepted=accepted)
+
     def periods(self, period: float) -> int:
         """How many ticks back it looks, at a control period [s]."""
         return 0
@@ -102,6 +109,7 @@ class SensorBias(SensorFault):
 
     def check(self, site: FaultSite, key: str) -> None:
         """Refuse a vector of another length."""
+        super().check(site, key)
         self._check_size(self.bias, site, f"{key}.bias")
 
     def read(self, now: Reading) -> Vector:
@@ -117,6 +125,7 @@ class SensorDrift(SensorFault):
 
     def check(self, site: FaultSite, key: str) -> None:
         """Refuse a vector of another length."""
+        super().check(site, key)
         self._check_size(self.rate, site, f"{key}.rate")
 
     def read(self, now: Reading) -> Vector:
@@ -141,6 +150,7 @@ class SensorNoise(SensorFault):
 
     def check(self, site: FaultSite, key: str) -> None:
         """Refuse a multiple of nothing."""
+        super().check(site, key)
         if self.factor is not None and not np.any(getattr(site.sensors, self.channel).noise):
             accepted = f"sigma, or plant.sensors.{self.channel}.noise"
             raise SpecError("the channel has no noise", key=f"{key}.factor", value=self.factor, accepted=accepted)
@@ -220,6 +230,7 @@ class SensorDelay(SensorFault):
 
     def check(self, site: FaultSite, key: str) -> None:
         """Refuse parts of a control period, and more than is kept."""
+        super().check(site, key)
         periods = self.periods(site.period)
         if not 1 <= periods <= MAX_DELAY or abs(periods * site.period - self.delay) > 1e-9 * self.delay:
             accepted = f"multiples of {site.period:g} s, at most {MAX_DELAY} of them"
@@ -250,8 +261,9 @@ class SensorFrame(SensorFault):
 
     def check(self, site: FaultSite, key: str) -> None:
         """Refuse a channel that is no vector of space."""
+        super().check(site, key)
         if not self.size:
-            accepted = "attitude, position, linear_velocity, angular_velocity, acceleration"
+            accepted = "attitude, position, linear_velocity, angular_velocity, acceleration, wheel_momentum"
             raise SpecError("has no frame", key=f"{key}.channel", value=self.channel, accepted=accepted)
 
     def read(self, now: Reading) -> Vector:

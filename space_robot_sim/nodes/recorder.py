@@ -84,6 +84,7 @@ class RecorderNode(GraphNode):
         heard = [topic for topic in LOGGED if not topic.optional or topic in optional]
         listeners = {topic: self._listen_recorded(topic) for topic in heard}
         self._parts.expected |= frozenset(optional)
+        self._parts.sample |= {topic for topic in optional if topic.kind == "state"}
         # Of the handles themselves: they are asked at every tick.
         self._command_counts = [listeners[topic].handle.get_publisher_count for topic in self._commands.topics]
         self._credit = CreditGiver(self, period, ahead)

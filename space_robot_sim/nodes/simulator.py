@@ -12,6 +12,7 @@ from rclpy.publisher import Publisher
 from space_robot_msgs_py.codec.codecs import (
     StateCodec,
     TelemetryCodec,
+    WheelMomentumCodec,
     encode_clock,
     encode_string,
     encode_tick_statuses,
@@ -56,7 +57,7 @@ class SimulatorNode(ManagedNode):
         steps: number of periods of the run; states 0..steps are published, each is to be answered.
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
-        optional: the optional topics of this run, for the events of the plant.
+        optional: the optional topics of this run, for the events of the plant and the momentum of the wheels.
         ahead: so many states the run may be ahead of its recorder in lock-step.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         options: see ManagedNode.
@@ -83,7 +84,7 @@ class SimulatorNode(ManagedNode):
         self._period, self._steps, self._patience = period, steps, patience
         self._realtime, self._recorded = None if realtime is None else checked_factor(realtime), recorded
         self._optional, self._ahead = optional, ahead
-        self._states = StateCodec(joint_names)
+        self._states, self._wheels = StateCodec(joint_names), WheelMomentumCodec()
         self._telemetry = TelemetryCodec(PLANT_TELEMETRY)
         self.tick = 0
         self.sample: PlantSample | None = None
@@ -107,7 +108,9 @@ class SimulatorNode(ManagedNode):
         self._gate = StepGate()
         self.commands.counts.clear()
         self._set_back(self._plant.reset())
-        self._state_publishers = [self._publisher(topic) for topic in self._states.topics]
+        measured = [one for one in self._optional if one.kind == "state"]
+        # The part that only some runs have comes first: a stranger's, sent ahead of time, is replaced before the rest.
+        self._state_publishers = [self._publisher(topic) for topic in (*measured, *self._states.topics)]
         self._telemetry_publisher = self._publisher(PLANT_TELEMETRY)
         self._event_publishers = {one: self._publisher(one) for one in self._optional if one.kind == "plant_event"}
         self._clock_publisher = self.publisher(CLOCK)
@@ -249,7 +252,8 @@ class SimulatorNode(ManagedNode):
             events = dict(plant_events(sample))
             for topic, publisher in self._event_publishers.items():
                 publisher.publish(encode_tick_statuses(sample.state.stamp, events.get(topic, ())))
-        publish_all(self._state_publishers, self._states.encode(sample.state))
+        wheels, parts = self._wheels.of(sample.state), self._states.encode(sample.state)
+        publish_all(self._state_publishers, parts if wheels is None else (wheels, *parts))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
 
     def _on_answer(self) -> None:

@@ -35,6 +35,7 @@ class TickParts:
         next: stamp of the tick that is to be written next [ns].
         reached: stamp of the newest state [ns]; -1: none.
         expected: topics that a complete tick has.
+        sample: topics by which the plant shows that it has reached a stamp.
         contested: more than one node commands, or the run is paced: commands of the graph do not count, but what the
             simulator accepted.
         decided: paced, stamp of the newest period of which the simulator said what it did with its command [ns]; what
@@ -44,6 +45,7 @@ class TickParts:
     def __init__(self, period: int, steps: int, *, paced: bool = False) -> None:
         self._period, self._last, self._paced = period, steps * period, paced
         self.expected = {topic for topic in LOGGED if not (topic.sporadic or topic.optional)}
+        self.sample = SAMPLE
         self.contested, self._again = paced, False
         self._early: dict[int, Parts] = {}
         self._pending: dict[int, Parts] = {}
@@ -95,7 +97,7 @@ class TickParts:
             if self._is_early(topic, stamp, parts):
                 self._provisional.add((topic, stamp))
             # That which comes last is asked for first.
-            if PLANT_TELEMETRY in parts and topic in SAMPLE and parts.keys() >= SAMPLE:
+            if PLANT_TELEMETRY in parts and topic in self.sample and parts.keys() >= self.sample:
                 self._reach(stamp)
                 return ""
         return "" if len(parts) >= len(self.expected) or self._held else None
@@ -174,7 +176,7 @@ class TickParts:
         return [(stamp, dict(self._pending[stamp])) for stamp in stamps]
 
     def _take_old(self, topic: Topic, stamp: int, data: bytes) -> str | None:
-        if topic in SAMPLE:
+        if topic in self.sample:
             if stamp == self._popped[0] and data == self._popped[1].get(topic):
                 return None
             return f"stamp {stamp} ns is recorded already, and the run was not reset"
@@ -193,7 +195,7 @@ class TickParts:
         """Whether a message is there before that of the run should be; topics have no order, so it may be that one."""
         if topic is PLANT_TELEMETRY and BASE_ODOM not in parts:
             return True
-        return topic not in SAMPLE or stamp > self.reached + self._period
+        return topic not in self.sample or stamp > self.reached + self._period
 
     def _stays(self, topic: Topic, stamp: int) -> bool:
         """Whether the first of two messages counts; of commands the simulator knows which one does."""

@@ -30,6 +30,7 @@ from space_robot_msgs_py.topics import (
     HOUSEKEEPING,
     PLANT_EVENTS,
     SUPERVISOR_MODE,
+    WHEEL_MOMENTUM,
     Topic,
 )
 from space_robot_supervisor.table import COMMANDS
@@ -82,7 +83,8 @@ class SupervisorNode(ManagedNode):
         self._heard = self._last_stamp = -1
         self._waiting: Waiting | None = None
         self._answer: ControlOutput | None = None
-        self._inputs = TickInputs(self, joint_names, self._take_in, [(PLANT_EVENTS, peek_stamp)] if monitored else [])
+        beside = [(PLANT_EVENTS, peek_stamp)] if monitored else []
+        self._inputs = TickInputs(self, joint_names, self._take_in, beside, wheels=WHEEL_MOMENTUM in optional)
         self._accepted = AcceptedCodec()
         answers = (ACCEPTED_COMMAND, *([CONTROLLER_TELEMETRY] if telemetry else []))
         self._answers: StampJoiner[Any] = StampJoiner(len(answers), JOIN_CAPACITY, once=False)

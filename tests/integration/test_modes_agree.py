@@ -11,7 +11,9 @@ from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.run import Mode, run_experiment
+from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.topics import WHEEL_MOMENTUM
 from tests.support.busy import burning_core
 
 pytest.importorskip("rclpy")
@@ -19,11 +21,13 @@ from space_robot_bringup.modes.processes import run_processes
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
-# Noise, delay, a payload the law does not know and a motor lag: everything that could tell the modes apart.
+# Noise, delay, a topic that few runs have, a payload the law does not know and a motor lag: everything that could tell
+# the modes apart.
 ROUGH = (
     "plant.delay_periods=1",
     "plant.sensors.angular_velocity={noise: 1.0e-5}",
     "plant.sensors.joint_position={noise: 1.0e-5, quantisation: 1.0e-6}",
+    "plant.sensors.wheel_momentum={noise: 1.0e-5, bias: 1.0e-3, delay: 0.25}",
     "duration=10.0",
 )
 
@@ -56,6 +60,15 @@ def test_the_three_modes_log_the_same_messages(truth: Path, tmp_path: Path, mode
     assert len(messages(truth)) > 400
     assert messages(other) == messages(truth), f"{mode} differs from headless"
     assert bag(other) == bag(truth), f"the file of {mode} differs from that of headless"
+
+
+def test_a_run_whose_wheels_are_measured_replays_equal(truth: Path) -> None:
+    """Law and plant repeat it from the log, and every reading is compared; without the topic a tick is not complete."""
+    replayed = replay(truth, ReplayOptions())
+    assert replayed.equal, [str(outcome.first) for outcome in replayed.outcomes]
+    plant = next(outcome for outcome in replayed.outcomes if outcome.against == "plant")
+    assert plant.comparison.compared[WHEEL_MOMENTUM.name] == len(list(LogReader(truth).ticks())) == 41
+    assert plant.absent == ()
 
 
 @pytest.mark.parametrize("mode", ["graph", pytest.param("processes", marks=pytest.mark.thorough)])

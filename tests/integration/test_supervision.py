@@ -25,6 +25,11 @@ FAULTS = [
     {"kind": "wrench_pulse", "torque": [0, 0, 1.2], "at": 8.0, "for": 1.0},
     {"kind": "sensor_frozen", "channel": "angular_velocity", "at": 30.0, "for": 3.0},
 ]
+# Their momentum counts as a monitored value; for a while the reading stands still.
+WHEELS: dict[str, Any] = {
+    "plant.sensors.wheel_momentum": {"noise": 1e-5},
+    "faults": [*FAULTS, {"kind": "sensor_frozen", "channel": "wheel_momentum", "at": 20.0, "for": 3.0}],
+}
 
 
 def experiment(**overrides: Any) -> Experiment:
@@ -69,7 +74,7 @@ def test_a_push_leads_to_safe_and_on_to_hold(tmp_path: Path) -> None:
 
 def test_a_supervised_run_replays_equal_and_a_changed_threshold_is_found(tmp_path: Path) -> None:
     """Controller, supervisor and plant repeat the log; of a threshold 1 % off the first event that differs is named."""
-    logged(tmp_path)
+    logged(tmp_path, **WHEELS)
     replayed = replay(tmp_path / "run", ReplayOptions())
     assert replayed.equal, [outcome.comparison.first for outcome in replayed.outcomes]
     order = ReplayOptions("supervisor", overrides={"supervision.monitors.0.above": 0.303})
@@ -103,7 +108,7 @@ def test_a_supervisor_that_finds_nothing_changes_no_command() -> None:
 def test_every_mode_decides_the_same(tmp_path: Path, mode: Mode) -> None:
     """One file, whatever carried the messages."""
     pytest.importorskip("rclpy")
-    assert logged(tmp_path / mode, mode) == logged(tmp_path / "headless")
+    assert logged(tmp_path / mode, mode, **WHEELS) == logged(tmp_path / "headless", **WHEELS)
 
 
 @pytest.mark.parametrize(

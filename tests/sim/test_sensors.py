@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import RobotState
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import SensorSpec
+from tests.support.values import bits
 
 PERIOD = 100_000_000
 JOINTS = 3
@@ -20,17 +22,18 @@ CHANNELS = tuple(SensorSpec.model_fields)
 
 
 def sensors(seed: int = 1, **channels: Any) -> Sensors:
-    return Sensors(SensorSpec.model_validate(channels), JOINTS, PERIOD, seed)
+    return Sensors(SensorSpec.model_validate({"wheel_momentum": {}} | channels), JOINTS, PERIOD, seed)
 
 
 def truth(k: int = 0) -> RobotState:
     rng = np.random.default_rng(100 + k)
     attitude = rng.normal(size=4)
     q = np.concatenate([rng.normal(size=3), attitude / np.linalg.norm(attitude), rng.normal(size=JOINTS)])
-    return RobotState(k * PERIOD, q, rng.normal(size=6 + JOINTS), rng.normal(size=JOINTS), rng.normal(size=3))
+    return RobotState(k * PERIOD, q, *(rng.normal(size=size) for size in (6 + JOINTS, JOINTS, 3, 3)))
 
 
 def parts(state: RobotState) -> dict[str, np.ndarray]:
+    assert state.wheel_momentum is not None
     return {
         "position": state.q[:3],
         "attitude": state.q[3:7],
@@ -39,6 +42,7 @@ def parts(state: RobotState) -> dict[str, np.ndarray]:
         "joint_position": state.q[7:],
         "joint_velocity": state.v[6:],
         "acceleration": state.base_acceleration,
+        "wheel_momentum": state.wheel_momentum,
     }
 
 
@@ -89,6 +93,16 @@ def test_channels_are_independent(name: str) -> None:
         first, second = parts(without.measure(truth(k))), parts(with_it.measure(truth(k)))
         assert first.pop(name).tobytes() != second.pop(name).tobytes()
         assert all(first[other].tobytes() == second[other].tobytes() for other in first)
+
+
+def test_wheels_that_are_not_measured_change_no_other_number() -> None:
+    """The channel of the wheels has the last generator: without it all others draw what they draw with it."""
+    noisy = {other: {"noise": 0.1} for other in CHANNELS if other != "wheel_momentum"}
+    without, with_it = sensors(wheel_momentum=None, **noisy), sensors(wheel_momentum={"noise": 0.1}, **noisy)
+    for k in range(3):
+        first, second = without.measure(replace(truth(k), wheel_momentum=None)), with_it.measure(truth(k))
+        assert first.wheel_momentum is None
+        assert bits(first)[1][:-1] == bits(second)[1][:-1]
 
 
 def test_seed_decides_and_reset_repeats() -> None:

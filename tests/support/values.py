@@ -27,7 +27,7 @@ HEADER = LogHeader(
     7,
     NAMES,
     {"numpy": "2", "mcap": "1"},
-    topics=("events", "faults", "plant/events", "housekeeping", "supervisor/mode"),
+    topics=("events", "faults", "plant/events", "housekeeping", "supervisor/mode", "base/wheel_momentum"),
 )
 
 joint_counts = st.integers(1, 14)
@@ -83,7 +83,8 @@ def run_ticks(count, *, n=3, seed=0):
 
 
 def _tick(stamp, n, rng):
-    state = RobotState(stamp, rng.normal(size=7 + n), rng.normal(size=6 + n), rng.normal(size=n), rng.normal(size=3))
+    parts = (rng.normal(size=size) for size in (7 + n, 6 + n, n, 3, 3))
+    state = RobotState(stamp, *parts)
     reference = Reference(stamp, rng.normal(size=7 + n), rng.normal(size=6 + n), rng.normal(size=6 + n))
     telemetry = Telemetry.of(stamp, {"error": rng.normal(size=n), "gain": rng.normal()})
     events = (

@@ -52,6 +52,11 @@ class Rls(Strict):
         description="acceleration of a free-floating base: from the estimate's zero-force rows, the accelerometer, or "
         "differenced velocities (a free-flying base: always these)",
     )
+    wheel_torque: Literal["measured", "commanded"] = Field(
+        default="measured",
+        description="torque of the wheels where they are measured: from their readings, whose noise times sqrt 2 over "
+        "the control period belongs in torque_noise, or as commanded",
+    )
     bandwidth: PositiveFloat = Field(
         default=0.3, description="of update rls_filtered: of the filter of both sides [rad/s]"
     )

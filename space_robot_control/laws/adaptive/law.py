@@ -137,7 +137,7 @@ class Adaptive(Law):
         """
         x, dx = euler_state(state)
         self._check_pitch(x)
-        self._update.observe(state, x, dx)
+        self._update.observe(state, x, dx, self._measured_wheels())
         if self._mass is None:
             self._mass = self._first_mass_matrix(x)
             self._cycle.rule.k_d[:] = self.gains.kappa * self._mass
@@ -157,6 +157,12 @@ class Adaptive(Law):
         if self._start is not None:
             self._update.begin(PeriodStart(*self._start, self._known(self.wheels.middle), wrench))
         self._start = None
+
+    def _measured_wheels(self) -> tuple[Vector, Vector] | None:
+        measured = self.wheels.measured
+        if measured is None or self.gains.rls.wheel_torque == "commanded":
+            return None
+        return self._known(measured[0]), measured[1]
 
     def _known(self, momentum: Vector) -> Vector:
         return momentum if self.gains.gyroscopic else np.zeros(3)

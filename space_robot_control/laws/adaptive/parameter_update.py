@@ -25,8 +25,9 @@ class ParameterUpdate:
     """pi_hat of one run, starting at the nominal parameters, or with ``consistency`` at the nearest that can exist.
 
     RLS takes one row per actuated degree of freedom and period: state at the middle of the period, x'' from differenced
-    rates, effort as measured, base torque as commanded. A period whose base command is beyond the nominal actuators is
-    left out, because the torque that acted is not known.
+    rates, effort as measured, base torque by the readings of the wheels, or as commanded where there are none. A period
+    whose base command is beyond the nominal actuators is left out, because what acted is not known; of wheels that are
+    measured it is, and saturated periods teach as others do.
 
     Args:
         robot: the NOMINAL robot.
@@ -62,13 +63,14 @@ class ParameterUpdate:
         self.estimate: Vector = np.array(prior if gains.consistency == "none" else project(prior))
         _, _, self.consistent = assess(self.estimate)
 
-    def observe(self, state: RobotState, x: Vector, dx: Vector) -> None:
+    def observe(self, state: RobotState, x: Vector, dx: Vector, wheels: tuple[Vector, Vector] | None = None) -> None:
         """RLS (39)-(41) on the period that ended in this state.
 
         Args:
             state: as measured.
             x: (6+n,) its Euler coordinates.
             dx: (6+n,) their rates.
+            wheels: ``WheelMomentum.measured`` of the period; None: it is not.
 
         Raises:
             ControlError: the estimate is unusable: not finite, without mass, covariance blown up.
@@ -77,7 +79,13 @@ class ParameterUpdate:
         start = self._start
         if self._rls is None or start is None:
             return
-        if not self._limits.base_fits(start.wrench):
+        unknown = start.wrench
+        if wheels is not None:
+            middle, torque = wheels
+            start = start._replace(wheels=middle, wrench=np.concatenate((start.wrench[:3], torque)))
+            # At its limit a torque that was read is as often beyond it as within: what acted is known all the same.
+            unknown = np.concatenate((start.wrench[:3], np.zeros(3)))
+        if not self._limits.base_fits(unknown):
             self._innovation = np.zeros(self._noise.size)
             return
         Y, tau = self._cycle.regression(self.estimate, start, x, dx, state)

@@ -54,6 +54,19 @@ def test_efforts_beyond_the_limits_are_foreseen() -> None:
     assert _foreseen(weak) == ()
 
 
+def test_noise_of_the_wheels_that_least_squares_do_not_expect_is_foreseen() -> None:
+    """Two readings over a period are a torque: a noise above rls.torque_noise is named."""
+    robot = robot_file(actuators=actuators(base_torque=WHEELS))
+
+    def warnings(noise: float, **rls: Any) -> tuple[str, ...]:
+        plant = {"sensors": {"wheel_momentum": {"noise": noise}}}
+        return _foreseen(robot, plant=plant, controller={"law": "adaptive", "gains": {"rls": rls}})
+
+    (warning,) = warnings(0.01)
+    assert "noise of 0.141 N m, of which it takes 0.001 (rls.torque_noise)" in warning
+    assert warnings(1e-4) == warnings(0.01, torque_noise=0.15) == warnings(0.01, wheel_torque="commanded") == ()
+
+
 def test_friction_that_the_law_does_not_know_is_foreseen() -> None:
     """Friction is named with the law that does not know it; mfac learns what a channel does."""
     (warning,) = _foreseen(_robot(viscous=0.1))

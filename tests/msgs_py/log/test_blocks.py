@@ -37,7 +37,7 @@ def test_blocks_are_the_log_cut_to_pieces(tmp_path: Path, size: int) -> None:
     reader = write(tmp_path / "run", values.run_ticks(COUNT))
     whole, blocks = reader.arrays(), list(reader.blocks(size))
     assert max(block.stamp.size for block in blocks) == min(size, COUNT)
-    for name in ("stamp", "time", "q", "v", "effort", "base_acceleration", "q_d", "v_d", "a_d", "wrench"):
+    for name in ("stamp", "time", "q", "v", "effort", "wheel_momentum", "q_d", "v_d", "a_d", "wrench"):
         assert np.concatenate([getattr(block, name) for block in blocks]).tobytes() == getattr(whole, name).tobytes()
     for side in ("controller", "plant"):
         for label, array in getattr(whole, side).items():
@@ -78,7 +78,7 @@ def test_telemetry_that_changes_its_blocks_is_one_error_wherever_a_block_ends(tm
 
 def test_a_thinned_log_keeps_its_ends_and_every_peak(tmp_path: Path) -> None:
     """Whole ticks are kept, in order: the first, the last, and the extremes of every column."""
-    reader = write(tmp_path / "run", values.run_ticks(400))
+    reader = write(tmp_path / "run", values.run_ticks(800))
     whole, thinner = reader.arrays(), Thinner(most=60)
     for block in reader.blocks(25):
         thinner.add(block)
@@ -89,7 +89,7 @@ def test_a_thinned_log_keeps_its_ends_and_every_peak(tmp_path: Path) -> None:
     assert (kept.stamp[0], kept.stamp[-1]) == (whole.stamp[0], whole.stamp[-1])
     assert (np.diff(kept.stamp) > 0).all()
     rows = np.searchsorted(whole.stamp, kept.stamp)
-    wide, thin = (np.hstack([one.q, one.v, one.effort_command, *one.plant.values()]) for one in (whole, kept))
+    wide, thin = (np.hstack([one.q, one.v, one.wheel_momentum, *one.plant.values()]) for one in (whole, kept))
     assert thin.tobytes() == wide[rows].tobytes()
     for side in ("controller", "plant"):
         assert list(getattr(kept, side)) == list(getattr(whole, side))

@@ -96,6 +96,7 @@ def test_arrays_are_the_ticks_stacked(run):
             (arrays.q, state.q), (arrays.v, state.v), (arrays.effort, state.effort),
             (arrays.base_acceleration, state.base_acceleration), (arrays.q_d, reference.q), (arrays.v_d, reference.v),
             (arrays.a_d, reference.a), (arrays.wrench, command.wrench), (arrays.effort_command, command.effort),
+            (arrays.wheel_momentum, state.wheel_momentum),
             (arrays.controller["error"], tick.output.telemetry["error"]),
             (arrays.controller["gain"], tick.output.telemetry["gain"]),
             (arrays.plant["energy"], tick.sample.telemetry["energy"]),

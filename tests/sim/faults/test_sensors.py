@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
 from space_robot_description.rotations import exp, from_rpy, log, matrix, relative
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import PlantSample, Vector
-from space_robot_sim.spec import SensorSpec
-from tests.sim.faults.support import block, fault, simulated
+from space_robot_sim.spec import ChannelSpec, SensorSpec
+from tests.sim.faults.support import WHEELS, block, fault, simulated
 
 ONSET, END = 10, 25
 WINDOW = {"for": 1.5}
 CHANNELS = tuple(SensorSpec.model_fields)
-TRUE = simulated([])
+# A robot with wheels whose momentum is measured: every channel is there.
+MEASURED = SensorSpec(wheel_momentum=ChannelSpec())
+run = partial(simulated, actuators=WHEELS, sensors=MEASURED)
+TRUE = run([])
 
 
 def channel(samples: Sequence[PlantSample], name: str) -> Vector:
@@ -29,14 +34,15 @@ def channel(samples: Sequence[PlantSample], name: str) -> Vector:
         "angular_velocity": lambda s: s.v[3:6],
         "joint_velocity": lambda s: s.v[6:],
         "acceleration": lambda s: s.base_acceleration,
+        "wheel_momentum": lambda s: s.wheel_momentum,
     }
     return np.array([places[name](sample.state) for sample in samples])
 
 
-def reported(kind: str, name: str, sensors: SensorSpec | None = None, **keys: Any) -> Vector:
+def reported(kind: str, name: str, sensors: SensorSpec = MEASURED, **keys: Any) -> Vector:
     """What the channel of a fault reports; the truth and all other channels are as without it."""
-    samples = simulated([fault(kind, channel=name, **WINDOW, **keys)], sensors=sensors)
-    without = TRUE if sensors is None else simulated([], sensors=sensors)
+    samples = run([fault(kind, channel=name, **WINDOW, **keys)], sensors=sensors)
+    without = TRUE if sensors is MEASURED else run([], sensors=sensors)
     assert block(samples, "true_configuration").tobytes() == block(TRUE, "true_configuration").tobytes()
     for other in CHANNELS:
         same = channel(samples, other)[:ONSET] if other == name else channel(samples, other)
@@ -90,7 +96,7 @@ def test_noise_has_the_size_that_was_asked_for(name: str) -> None:
     one = errors(reported("sensor_noise", name, sigma=1e-3), name)
     assert np.std(one) == pytest.approx(1e-3, rel=0.35)
     assert abs(one.mean()) < 0.5e-3
-    own = SensorSpec.model_validate({name: {"noise": 1e-4}})
+    own = SensorSpec.model_validate({"wheel_momentum": {}} | {name: {"noise": 1e-4}})
     several = errors(reported("sensor_noise", name, sensors=own, factor=5.0), name)
     assert np.std(several) == pytest.approx(5e-4, rel=0.35)
 
@@ -98,11 +104,11 @@ def test_noise_has_the_size_that_was_asked_for(name: str) -> None:
 def test_noise_depends_on_seed_and_tick_alone() -> None:
     """Equal seeds give equal bits, other seeds others, and a fault before it in the list changes no draw of its."""
     noisy = fault("sensor_noise", channel="position", sigma=1e-3)
-    first, again, other = (channel(simulated([noisy], seed=seed), "position") for seed in (5, 5, 6))
+    first, again, other = (channel(run([noisy], seed=seed), "position") for seed in (5, 5, 6))
     assert first.tobytes() == again.tobytes()
     assert not np.any(first[ONSET:] == other[ONSET:])
     shorter = fault("sensor_noise", channel="position", sigma=1e-3, at=2.0)
-    late = channel(simulated([shorter]), "position")
+    late = channel(run([shorter]), "position")
     assert late[20:].tobytes() == first[20:].tobytes()
 
 
@@ -122,7 +128,7 @@ def test_a_scale_of_the_attitude_is_one_of_its_rotation_vector() -> None:
 
 def test_outliers_have_their_length_and_come_as_often_as_said() -> None:
     """Each reading is the truth or wrong by a vector of that length."""
-    samples = simulated([fault("sensor_outliers", channel="position", probability=0.3, length=2.0)], steps=200)
+    samples = run([fault("sensor_outliers", channel="position", probability=0.3, length=2.0)], steps=200)
     distance = np.linalg.norm(channel(samples, "position") - block(samples, "true_configuration")[:, :3], axis=1)
     wrong = distance > 0.0
     np.testing.assert_allclose(distance[wrong], 2.0, rtol=1e-9)
@@ -154,7 +160,7 @@ def test_faults_of_one_channel_add_up_in_their_order() -> None:
     bias = fault("sensor_bias", channel="position", bias=1.0)
     frozen = fault("sensor_frozen", channel="position")
     before = channel(TRUE, "position")[ONSET - 1]
-    first, second = (channel(simulated(faults), "position")[ONSET] for faults in ([frozen, bias], [bias, frozen]))
+    first, second = (channel(run(faults), "position")[ONSET] for faults in ([frozen, bias], [bias, frozen]))
     np.testing.assert_array_equal(first, before + 1.0)
     np.testing.assert_array_equal(second, before)
 
@@ -164,3 +170,10 @@ def test_small_rotations_are_exp() -> None:
     found = reported("sensor_bias", "attitude", bias=(0.1, -0.2, 0.3))
     expected = matrix(channel(TRUE, "attitude")[ONSET]) @ matrix(exp((0.1, -0.2, 0.3)))
     np.testing.assert_allclose(matrix(found[ONSET]), expected, atol=1e-12)
+
+
+def test_a_fault_of_a_channel_that_is_not_measured_is_refused() -> None:
+    """Where no momentum of wheels is measured nothing can go wrong with it, whatever the kind of the fault."""
+    for kind, keys in (("sensor_frozen", {}), ("sensor_noise", {"factor": 2.0}), ("sensor_bias", {"bias": 1.0})):
+        with pytest.raises(SpecError, match=r"faults.0.channel: is not measured; got 'wheel_mom.*plant.sensors"):
+            simulated([fault(kind, channel="wheel_momentum", **keys)], actuators=WHEELS)

@@ -13,7 +13,14 @@ pytest.importorskip("rclpy")
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.codec.cdr import ENCAPSULATION
-from space_robot_msgs_py.codec.codecs import CommandCodec, ReferenceCodec, StateCodec, encode_clock, encode_string
+from space_robot_msgs_py.codec.codecs import (
+    CommandCodec,
+    ReferenceCodec,
+    StateCodec,
+    WheelMomentumCodec,
+    encode_clock,
+    encode_string,
+)
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import (
@@ -28,11 +35,12 @@ from space_robot_msgs_py.topics import (
     ROBOT_DESCRIPTION,
     RUN_BEGIN,
     RUN_END,
+    WHEEL_MOMENTUM,
     WRENCH_COMMAND,
     Topic,
 )
 from tests.support.harness import RunningGraph, running_graph
-from tests.support.unanswered import AT, PERIOD, SHORT, STEPS, go_on, stand_unanswered
+from tests.support.unanswered import AT, PERIOD, STEPS, go_on, stand_unanswered
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 JOINTS = 4
@@ -45,6 +53,11 @@ def state(tick: float, poison: float = 0.1) -> tuple[bytes, ...]:
     value = RobotState(round(tick * PERIOD), q, np.full(6 + JOINTS, 0.125), np.zeros(JOINTS), np.zeros(3))
     parts = StateCodec(joint_names()).encode(value)
     return tuple(part.replace(np.float64(0.125).tobytes(), np.float64(poison).tobytes()) for part in parts)
+
+
+def wheels(tick: float, z: float = 0.125) -> bytes:
+    """A reading of wheels that are not this robot's."""
+    return WheelMomentumCodec().encode((round(tick * PERIOD), np.array([0.0, 0.0, z])))[0]
 
 
 def reference(tick: float) -> bytes:
@@ -86,6 +99,11 @@ STRAYS: dict[str, tuple[Topic, Callable[[], bytes]]] = {
     "the state of the tick to come": (BASE_ODOM, lambda: state(AT + 1)[0]),
     "a state that is not a number": (BASE_ODOM, lambda: state(AT + 1, np.nan)[0]),
     "a state that is none": (BASE_ODOM, lambda: GARBAGE),
+    "an older reading of wheels": (WHEEL_MOMENTUM, lambda: wheels(3)),
+    "another reading of wheels": (WHEEL_MOMENTUM, lambda: wheels(AT)),
+    "the reading of the tick to come": (WHEEL_MOMENTUM, lambda: wheels(AT + 1)),
+    "a reading that is not a number": (WHEEL_MOMENTUM, lambda: wheels(AT + 1, np.nan)),
+    "a reading that is none": (WHEEL_MOMENTUM, lambda: GARBAGE),
     "another reference of this tick": (REFERENCE_BASE, lambda: reference(AT)),
     "an older reference": (REFERENCE_BASE, lambda: reference(0)),
     "a reference with a wild stamp": (REFERENCE_BASE, lambda: wild(reference(AT))),
@@ -111,7 +129,7 @@ STRAYS: dict[str, tuple[Topic, Callable[[], bytes]]] = {
 # What is not refused, because it does no harm: it is replaced by what comes, was heard before, or is heard by none.
 HARMLESS = {
     *("a state of the tick to come", "the state of the tick to come", "a state far ahead"),
-    *("an older reference", "an accepted command", "a description that is none"),
+    *("the reading of the tick to come", "an older reference", "an accepted command", "a description that is none"),
 }
 TOPICS = sorted({topic.name for topic, _ in STRAYS.values()})
 
@@ -120,7 +138,7 @@ TOPICS = sorted({topic.name for topic, _ in STRAYS.values()})
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, int, bytes]]:
     """The messages of the run without strays."""
     place = tmp_path_factory.mktemp("truth") / "run"
-    run_experiment(load_experiment("liu2023/fig08", [SHORT]), place, mode="headless")
+    run_experiment(load_experiment("liu2023/fig08", SHORT), place, mode="headless")
     return list(LogReader(place).messages())
 
 
@@ -140,7 +158,7 @@ def test_a_stray_message_is_refused_and_changes_nothing(
     name: str, tmp_path: Path, undisturbed: list[tuple[str, int, bytes]]
 ) -> None:
     """The run completes in one log with the bits of an undisturbed one; strays are counted where they do not fit."""
-    with running_graph(tmp_path / "run", SHORT) as robot:
+    with running_graph(tmp_path / "run", *SHORT) as robot:
         stand_unanswered(robot)
         for stray, (topic, make) in STRAYS.items():
             if topic.name == name:
