@@ -40,9 +40,11 @@ from space_robot_msgs_py.topics import (
     Topic,
 )
 from tests.support.harness import RunningGraph, running_graph
-from tests.support.unanswered import AT, PERIOD, STEPS, go_on, stand_unanswered
+from tests.support.unanswered import AT, PERIOD, SHORT, STEPS, go_on, stand_unanswered
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
+# With all that a state can have.
+WHOLE = (SHORT, "plant.sensors.wheel_momentum={}")
 JOINTS = 4
 GARBAGE = ENCAPSULATION + b"\xff" * 4
 
@@ -138,7 +140,7 @@ TOPICS = sorted({topic.name for topic, _ in STRAYS.values()})
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, int, bytes]]:
     """The messages of the run without strays."""
     place = tmp_path_factory.mktemp("truth") / "run"
-    run_experiment(load_experiment("liu2023/fig08", SHORT), place, mode="headless")
+    run_experiment(load_experiment("liu2023/fig08", WHOLE), place, mode="headless")
     return list(LogReader(place).messages())
 
 
@@ -158,7 +160,7 @@ def test_a_stray_message_is_refused_and_changes_nothing(
     name: str, tmp_path: Path, undisturbed: list[tuple[str, int, bytes]]
 ) -> None:
     """The run completes in one log with the bits of an undisturbed one; strays are counted where they do not fit."""
-    with running_graph(tmp_path / "run", *SHORT) as robot:
+    with running_graph(tmp_path / "run", *WHOLE) as robot:
         stand_unanswered(robot)
         for stray, (topic, make) in STRAYS.items():
             if topic.name == name:
