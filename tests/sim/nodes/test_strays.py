@@ -43,8 +43,9 @@ from space_robot_msgs_py.topics import (
 from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
+SHORT = "duration=5.0"
 # With all that a state can have.
-SHORT = ("duration=5.0", "plant.sensors.wheel_momentum={}")
+WHOLE = (SHORT, "plant.sensors.wheel_momentum={}")
 PERIOD, STEPS, AT = 250_000_000, 20, 9
 JOINTS = 4
 GARBAGE = ENCAPSULATION + b"\xff" * 4
@@ -141,7 +142,7 @@ TOPICS = sorted({topic.name for topic, _ in STRAYS.values()})
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[tuple[str, int, bytes]]:
     """The messages of the run without strays."""
     place = tmp_path_factory.mktemp("truth") / "run"
-    run_experiment(load_experiment("liu2023/fig08", SHORT), place, mode="headless")
+    run_experiment(load_experiment("liu2023/fig08", WHOLE), place, mode="headless")
     return list(LogReader(place).messages())
 
 
@@ -190,7 +191,7 @@ def test_a_stray_message_is_refused_and_changes_nothing(
     name: str, tmp_path: Path, undisturbed: list[tuple[str, int, bytes]]
 ) -> None:
     """The run completes in one log with the bits of an undisturbed one; strays are counted where they do not fit."""
-    with running_graph(tmp_path / "run", *SHORT) as robot:
+    with running_graph(tmp_path / "run", *WHOLE) as robot:
         stand_unanswered(robot)
         for stray, (topic, make) in STRAYS.items():
             if topic.name == name:
