@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import Field, NonNegativeFloat
 
 from space_robot_bringup.compose.parameters import overrides_from
-from space_robot_bringup.modes.hooks import ROLES, SUPERVISOR
+from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, ROLES, SUPERVISOR
 from space_robot_description.spec import Strict
 from space_robot_description.validation import validate
 
@@ -49,7 +49,7 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     fields, nothing = Start.model_fields, argparse.SUPPRESS
-    made.add_argument("role", choices=(*ROLES, SUPERVISOR))
+    made.add_argument("role", choices=(*ROLES, SUPERVISOR, EFFORT_CONTROLLER))
     default = f"; default {fields['experiment'].default}"
     made.add_argument("--experiment", default=nothing, help=f"{fields['experiment'].description}{default}")
     made.add_argument("--out", default=nothing, help=fields["out"].description)
