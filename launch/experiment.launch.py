@@ -26,6 +26,8 @@ PACKAGES = {
     "simulator": "space_robot_sim",
 }
 SUPERVISOR = {"supervisor": "space_robot_supervisor"}
+# In place of the controller, where it is asked for.
+EFFORTS = {"effort_controller": "space_robot_control"}
 # Instead of a table: that of the experiment.
 OWN = "own"
 ALL_NODES = " ".join(PACKAGES)
@@ -67,7 +69,7 @@ def _nodes(context: LaunchContext) -> list[Node]:
     )
     options = _options(chosen, recorded=recorded, overwrite=overwrite)
     roles = chosen["nodes"].split()
-    packages = PACKAGES | SUPERVISOR
+    packages = PACKAGES | SUPERVISOR | EFFORTS
     if chosen["supervision"] and chosen["nodes"] == ALL_NODES:
         roles.append("supervisor")
     if unknown := sorted(set(roles) - set(packages)):

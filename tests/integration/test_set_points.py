@@ -138,7 +138,7 @@ def test_base_tool_and_hand_move_the_robot(tmp_path: Path) -> None:
     assert replay(tmp_path / "run", ReplayOptions()).equal
 
 
-def test_bad_set_points_are_refused_counted_and_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bad_set_points_are_refused_and_counted_with_their_reasons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Joint, number, time, frame, reach, bytes: each is a count and a reason on /diagnostics, and the run completes."""
     monkeypatch.setattr(live_guidance, "DIAGNOSTICS_PERIOD", 0.05)
     with outside(tmp_path / "run", "duration=10.0") as said:
@@ -166,11 +166,11 @@ def test_bad_set_points_are_refused_counted_and_told(tmp_path: Path, monkeypatch
         said.robot.publish(TOOL_GOAL, b"\x00\x01\x00\x00\x01")
         wanted = {"refused_joint_trajectory": "5", "refused_base/goal": "1", "refused_tool/goal": "2"}
 
-        def told() -> bool:
+        def counted() -> bool:
             status = newest.get("guidance: set-points")
             return status is not None and wanted.items() <= numbers(status).items()
 
-        said.robot.spin_until(told, "the counts")
+        said.robot.spin_until(counted, "the counts")
         status = newest["guidance: set-points"]
         assert status.level == DiagnosticStatus.WARN
         assert "geometry_msgs/msg/PoseStamped" in numbers(status)["reason_tool/goal"]
