@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import (
     Field,
@@ -36,7 +36,23 @@ from space_robot_sim.faults.catalogue import AnyFault, parse_fault
 from space_robot_supervisor.table import SupervisionTable
 
 # Dotted key to value, or texts ``dotted.key=value`` with the value in YAML.
-Overrides = Mapping[str, Any] | Sequence[str]
+
+
+class Assignment(NamedTuple):
+    """One key and the value it gets.
+
+    Attributes:
+        key: dotted.
+        value: plain data.
+        where: what to call it in an error: what the user typed.
+    """
+
+    key: str
+    value: Any
+    where: str
+
+
+Overrides = Mapping[str, Any] | Sequence[str | Assignment]
 
 
 class Initial(Strict):
@@ -159,7 +175,12 @@ class ExperimentFile:
 
     def experiment(self, overrides: Overrides = ()) -> Experiment:
         """The second half of ``load_experiment``."""
-        return experiment_from(located(with_overrides(self.content, overrides), self.folder), self.where)
+        given = assignments(overrides)
+        # A table may be a name until here, and a key inside of it is one of its content.
+        inside = [one for one in given if one.key.startswith("supervision.")]
+        data = with_overrides(self.content, [one for one in given if one not in inside])
+        data = located(data, self.folder) if inside else data
+        return experiment_from(located(with_overrides(data, inside), self.folder), self.where)
 
 
 def read_experiment(name_or_path: StrPath) -> ExperimentFile:
@@ -183,10 +204,11 @@ def with_overrides(content: Mapping[str, Any], overrides: Overrides) -> dict[str
     return data
 
 
-def assignments(overrides: Overrides) -> list[tuple[str, Any, str]]:
-    """(dotted key, value, what to call it in an error) of each override."""
+def assignments(overrides: Overrides) -> list[Assignment]:
+    """Each override, parsed."""
     if not isinstance(overrides, Mapping):
-        return [_assignment(text) for text in ([overrides] if isinstance(overrides, str) else overrides)]
+        given = [overrides] if isinstance(overrides, str) else overrides
+        return [one if isinstance(one, Assignment) else parsed(one) for one in given]
     for key, value in overrides.items():
         if not (isinstance(key, str) and key.strip()):
             raise SpecError("not a dotted key", key="overrides", value=key, accepted="e.g. controller.gains.damping")
@@ -194,14 +216,24 @@ def assignments(overrides: Overrides) -> list[tuple[str, Any, str]]:
             plain(value)
         except ValueError as error:
             raise SpecError(str(error), key=key) from None
-    return [(key.strip(), value, key.strip()) for key, value in overrides.items()]
+    return [Assignment(key.strip(), value, key.strip()) for key, value in overrides.items()]
 
 
-def _assignment(override: str) -> tuple[str, Any, str]:
+def parsed(override: str, where: str = "") -> Assignment:
+    """A text ``dotted.key=value`` with its value in YAML.
+
+    Args:
+        override: the text.
+        where: what to call it in an error; default: --set and the key.
+
+    Raises:
+        SpecError: it is none.
+    """
     key, equals, text = str(override).partition("=")
     if not equals or not key.strip():
-        raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
-    return key.strip(), parse_yaml_value(text, f"--set {key}"), f"--set {key}"
+        raise SpecError("not an assignment", key=where or "--set", value=override, accepted="dotted.key=value")
+    where = where or f"--set {key}"
+    return Assignment(key.strip(), parse_yaml_value(text, where), where)
 
 
 def located(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:

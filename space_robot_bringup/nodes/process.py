@@ -20,13 +20,12 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 
-from space_robot_bringup.compose.composition import Composition, compose
-from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.modes.context import domain_number, local_context
 from space_robot_bringup.modes.graph import drain, make_executor, make_node, raise_bug, spin
 from space_robot_bringup.modes.signals import Interrupted, RunStop
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ChildEnd
-from space_robot_bringup.nodes.arguments import Start, parser, split_ros_arguments, start_from
+from space_robot_bringup.nodes.arguments import Start, composed, parser, split_ros_arguments, start_from
 from space_robot_bringup.nodes.patience import Patience
 from space_robot_description.fields import parameter_rows
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -67,8 +66,9 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
     # As every ROS process: what starts several of us gives them one domain, or they meet on 0.
     domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
     with local_context(domain, ros) as context:
-        start = start_from(vars(options), given_at_start(options.role, context))
-        composition = compose(load_experiment(start.experiment, start.set))
+        given = given_at_start(options.role, context)
+        start = start_from(vars(options), given)
+        composition = composed(start, given)
         if options.role == "recorder":
             # It runs no user code, and what it has begun to write is closed in order.
             stop.ending()

@@ -75,7 +75,7 @@ class BasePath:
         t = (stamp - self._start) / self._duration
         x, dx, ddx = piece_at(self._piece, t, self._duration / NANOSECONDS)
         rate, change = body_rates(x[3:], dx[3:], ddx[3:])
-        return BaseMotion(x[:3], product(self._first, exp(x[3:])), dx[:3], rate, ddx[:3], change)
+        return BaseMotion(x[:3], product(self._first, exp(x[3:])), dx[:3], rate.tolist(), ddx[:3], change.tolist())
 
     def keeps(self, speed: float, rate: float) -> bool:
         """True where it is never faster than this [m/s, rad/s]."""

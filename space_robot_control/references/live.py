@@ -61,6 +61,8 @@ class LiveReference:
     def __init__(self, spec: LiveSpec, robot: Robot, initial_q: Vector, *, period: int, steps: int) -> None:
         self._spec, self._robot, self._period = spec, robot, period
         self._end, self._initial = period * steps, initial_configuration(initial_q, robot)
+        self._tool: _ToolMotion | None = None
+        self._teleop: Teleop | None = None
         self.reset()
 
     def reset(self) -> None:
@@ -191,8 +193,7 @@ class LiveReference:
         q = self._state[0]
         self._base = BasePath(BaseMotion(q[:3], q[3:7]), q[:3], q[3:7], self.now, 0)
         self._joints = JointPath([JointPoint(self.now, np.array(q[7:]))])
-        self._tool: _ToolMotion | None = None
-        self._teleop: Teleop | None = None
+        self._tool = self._teleop = None
 
     def _check_rest(self, key: str) -> None:
         if self.doing != "at rest":

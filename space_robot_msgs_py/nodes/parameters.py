@@ -15,12 +15,12 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_msgs_py.parameters import ParameterRow
+from space_robot_msgs_py.parameters import ParameterRow, not_shown
 
 # What ROS itself reads from the same place.
 RESERVED = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 # A recorded reference may have thousands of numbers; a parameter is for people.
-MAX_CHARACTERS = 2000
+MAX_CHARACTERS, MAX_NUMBERS, EXCERPT = 20_000, 2000, 200
 
 
 class NodeParameters:
@@ -104,17 +104,20 @@ def given_at_start(name: str, context: Context) -> dict[str, Any]:
 
 
 def to_ros(value: Any) -> Any:
-    """The value as ROS knows it; what has no type there (nothing, sections, mixed lists) is JSON text."""
+    """The value as ROS knows it; what has no type there (nothing, sections, mixed lists) is JSON text.
+
+    What is too long says so, and is no value when it comes back: see ``is_not_shown``.
+    """
     if isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, list | tuple) and value:
         kinds = {type(item) for item in value}
         if kinds <= {int, float}:
-            return [float(item) for item in value] if len(value) < MAX_CHARACTERS else f"{len(value)} numbers"
+            return [float(item) for item in value] if len(value) < MAX_NUMBERS else not_shown(f"{len(value)} numbers")
         if len(kinds) == 1 and kinds <= {str, bool}:
             return list(value)
     text = json.dumps(value)
-    return text if len(text) < MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}..."
+    return text if len(text) < MAX_CHARACTERS else not_shown(f"{text[:EXCERPT]}...")
 
 
 def from_ros(value: Any) -> Any:

@@ -138,7 +138,9 @@ def test_base_tool_and_hand_move_the_robot(tmp_path: Path) -> None:
     assert replay(tmp_path / "run", ReplayOptions()).equal
 
 
-def test_bad_set_points_are_refused_and_counted_with_their_reasons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bad_set_points_are_refused_and_counted_with_their_reasons(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Joint, number, time, frame, reach, bytes: each is a count and a reason on /diagnostics, and the run completes."""
     monkeypatch.setattr(live_guidance, "DIAGNOSTICS_PERIOD", 0.05)
     with outside(tmp_path / "run", "duration=10.0") as said:
