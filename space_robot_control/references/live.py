@@ -58,6 +58,9 @@ class LiveReference:
         SpecError: the initial configuration cannot be one.
     """
 
+    _base: BasePath
+    _joints: JointPath
+
     def __init__(self, spec: LiveSpec, robot: Robot, initial_q: Vector, *, period: int, steps: int) -> None:
         self._spec, self._robot, self._period = spec, robot, period
         self._end, self._initial = period * steps, initial_configuration(initial_q, robot)

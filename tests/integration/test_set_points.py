@@ -20,6 +20,8 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
+from space_robot_bringup.replay.golden import update_reference
+from space_robot_bringup.replay.recording import open_recording
 from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_control.nodes import follow_trajectory, live_guidance
 from space_robot_control.nodes.follow_trajectory import TrajectoryAction
@@ -101,6 +103,8 @@ def test_a_trajectory_moves_the_arm(tmp_path: Path, realtime: float | None) -> N
     assert arrays.q_d[-1, 7:].tolist() == goal.tolist()
     np.testing.assert_allclose(arrays.q[-1, 7:], goal, atol=0.02)
     assert replay(tmp_path / "run", ReplayOptions()).equal
+    if realtime is None:
+        assert not update_reference(open_recording(tmp_path / "run")), "the same run is another file"
     again = load_experiment(CASE, ["duration=10.0", f"reference={{kind: recorded, log: {tmp_path / 'run'}}}"])
     run_experiment(again, tmp_path / "again", mode="headless")
     assert np.array_equal(LogReader(tmp_path / "again").arrays().q_d, arrays.q_d)
