@@ -15,6 +15,8 @@ from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, ROLES, SUPERVISOR
 from space_robot_description.spec import Strict
 from space_robot_description.validation import validate
 from space_robot_msgs_py.errors import SpaceRobotError
+from space_robot_msgs_py.version import __version__
+from space_robot_sim.nodes.services import MAX_STEPS
 
 EPILOG = """\
 The same as ROS parameters, also from a file (--ros-args --params-file FILE): experiment, out, set, record, realtime,
@@ -38,6 +40,7 @@ class Start(Strict):
     set: tuple[str, ...] = Field(default=(), description="overrides key=value, the same at every node")
     record: bool = Field(default=True, description="a recorder takes part, and the simulator waits for it")
     realtime: NonNegativeFloat = Field(default=0.0, description="simulated seconds per second; 0: lock-step")
+    step_count: int = Field(default=1, description="simulator: periods of one ~/step while paused", ge=1, le=MAX_STEPS)
     autostart: bool = Field(
         default=True, description="simulator and controller: configure and activate at once, or wait for ~/change_state"
     )
@@ -46,16 +49,23 @@ class Start(Strict):
     )
 
 
-def parser() -> argparse.ArgumentParser:
-    """The command line of a node."""
+def parser(name: str = "") -> argparse.ArgumentParser:
+    """The command line of a node.
+
+    Args:
+        name: of the executable that has its role already; without one the user says the role.
+    """
+    prog = name or "space_robot_bringup.nodes.process"
     made = argparse.ArgumentParser(
-        prog="space_robot_bringup.nodes.process",
+        prog=prog,
         description="One node of an experiment as one process.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     fields, nothing = Start.model_fields, argparse.SUPPRESS
-    made.add_argument("role", choices=(*ROLES, SUPERVISOR, EFFORT_CONTROLLER))
+    roles = (*ROLES, SUPERVISOR, EFFORT_CONTROLLER)
+    made.add_argument("role", choices=roles, help=argparse.SUPPRESS if name else "which node")
+    made.add_argument("--version", action="version", version=version_of(prog))
     default = f"; default {fields['experiment'].default}"
     made.add_argument("--experiment", default=nothing, help=f"{fields['experiment'].description}{default}")
     made.add_argument("--out", default=nothing, help=fields["out"].description)
@@ -69,10 +79,15 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--realtime", type=float, default=nothing, help=fields["realtime"].description)
     made.add_argument("--patience", type=float, default=nothing, help=fields["patience"].description)
     made.add_argument("--debug", action="store_true", help="show the traceback of a law that fails")
-    inherited = "descriptor inherited from the process that starts the nodes of a run: "
-    made.add_argument("--tether", type=int, default=None, help=f"{inherited}orders and news")
-    made.add_argument("--directory", type=int, default=None, help=f"{inherited}the locked run directory")
+    # Descriptors inherited from the process that starts the nodes of a run: orders and news, the locked run directory.
+    made.add_argument("--tether", type=int, default=None, help=argparse.SUPPRESS)
+    made.add_argument("--directory", type=int, default=None, help=argparse.SUPPRESS)
     return made
+
+
+def version_of(name: str) -> str:
+    """What ``--version`` of an executable says."""
+    return f"{name} {__version__}"
 
 
 def start_from(options: Mapping[str, Any], given: Mapping[str, Any]) -> Start:
