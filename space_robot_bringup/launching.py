@@ -27,7 +27,7 @@ def refuse_unknown_arguments(file: str, accepted: Collection[str], given: Sequen
         name = argument.partition(":=")[0]
         if name not in accepted:
             near = get_close_matches(name, accepted, n=1)
-            hint = f"did you mean {near[0]}? accepted: {', '.join(accepted)}" if near else ", ".join(accepted)
+            hint = f"did you mean {near[0]}? valid: {', '.join(accepted)}" if near else ", ".join(accepted)
             raise SpecError("no such launch argument", key=name, value=argument, accepted=hint)
 
 

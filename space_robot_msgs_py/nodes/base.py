@@ -182,8 +182,8 @@ class GraphNode(Node):  # type: ignore[misc]
 
     def unheard(self) -> list[str]:
         """Topics that it cannot do without and hears no publisher of."""
-        needed = [one for one in self._readers if not (one.sporadic or one.kind in DISPENSABLE or one is RUN_END)]
-        return [one.name for one in needed if self.publisher_count(one) == 0]
+        unneeded = {one for one in self._readers if one.sporadic or one.kind in DISPENSABLE} | {RUN_BEGIN, RUN_END}
+        return [one.name for one in self._readers if one not in unneeded and self.publisher_count(one) == 0]
 
     def flush(self, seconds: float, hurried: Callable[[], bool] = lambda: False) -> None:
         """Wait until all replies are sent and all messages acknowledged by every matched subscriber, that long in all.

@@ -15,6 +15,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.nodes.fill import fill
 from space_robot_msgs_py.parameters import ParameterRow, not_shown
 
 # What ROS itself reads from the same place.
@@ -67,12 +68,12 @@ class NodeParameters:
     def _on_set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         changes = {one.name: from_ros(one.value) for one in parameters if one.name in self._own}
         if self._quiet or not changes:
-            return SetParametersResult(successful=True)
+            return fill(SetParametersResult(), successful=True)
         try:
             self._apply(changes)
         except SpaceRobotError as error:
-            return SetParametersResult(successful=False, reason=str(error))
-        return SetParametersResult(successful=True)
+            return fill(SetParametersResult(), successful=False, reason=error)
+        return fill(SetParametersResult(), successful=True)
 
 
 def given_at_start(name: str, context: Context) -> dict[str, Any]:
@@ -126,7 +127,8 @@ def from_ros(value: Any) -> Any:
 
 
 def _descriptor(row: ParameterRow) -> ParameterDescriptor:
-    descriptor = ParameterDescriptor(
+    descriptor = fill(
+        ParameterDescriptor(),
         description=row.description,
         read_only=not row.dynamic,
         # A gain may be one number or several, whichever of them the experiment has.
@@ -136,6 +138,6 @@ def _descriptor(row: ParameterRow) -> ParameterDescriptor:
         lower = -math.inf if row.lower is None else row.lower
         upper = math.inf if row.upper is None else row.upper
         if isinstance(row.value, float):
-            descriptor.floating_point_range = [FloatingPointRange(from_value=lower, to_value=upper)]
+            descriptor.floating_point_range = [fill(FloatingPointRange(), from_value=lower, to_value=upper)]
         descriptor.additional_constraints = f"{lower:g} to {upper:g}"
     return descriptor

@@ -9,6 +9,7 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.nodes.fill import fill
 from space_robot_msgs_py.parameters import ParameterRow
 
 STEP_COUNT = "step_count"
@@ -106,28 +107,21 @@ class RunServices:
 
     def _pause(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self._run.pause(request.data)
-        response.success = True
-        response.message = f"{'paused' if request.data else 'running'} at {self._run.stamp} ns"
-        return response
+        what = "paused" if request.data else "running"
+        return fill(response, success=True, message=f"{what} at {self._run.stamp} ns")
 
-    def _step(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.success = self._run.paused
-        if self._run.paused:
-            begin, count = self._run.stamp, self._step_count()
-            for _ in range(count):
-                self._run.step_once()
-            granted = "one step" if count == 1 else f"{count} steps"
-            response.message = f"{granted} granted; state at {begin} ns"
-        else:
-            response.message = "the run is not paused: call ~/pause first"
-        return response
+    def _step(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        if not self._run.paused:
+            return fill(response, success=False, message="the run is not paused: call ~/pause first")
+        begin, count = self._run.stamp, self._step_count()
+        for _ in range(count):
+            self._run.step_once()
+        granted = "one step" if count == 1 else f"{count} steps"
+        return fill(response, success=True, message=f"{granted} granted; state at {begin} ns")
 
     def _reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         try:
             self._run.reset()
         except SpaceRobotError as error:
-            response.success, response.message = False, str(error)
-            return response
-        response.success = True
-        response.message = "at the initial state, 0 ns"
-        return response
+            return fill(response, success=False, message=error)
+        return fill(response, success=True, message="at the initial state, 0 ns")
