@@ -7,6 +7,7 @@ the others end too, the recorder closes its log, and launch exits with 1.
 from __future__ import annotations
 
 import shlex
+import sys
 from pathlib import Path
 
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, RegisterEventHandler, TimerAction
@@ -18,6 +19,7 @@ from launch.substitutions import TextSubstitution
 from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
+from space_robot_bringup.launching import check_experiment, refuse_unknown_arguments
 
 PACKAGES = {
     "recorder": "space_robot_sim",
@@ -26,6 +28,8 @@ PACKAGES = {
     "simulator": "space_robot_sim",
 }
 SUPERVISOR = {"supervisor": "space_robot_supervisor"}
+# In place of the controller, where it is asked for.
+EFFORTS = {"effort_controller": "space_robot_control"}
 # Instead of a table: that of the experiment.
 OWN = "own"
 ALL_NODES = " ".join(PACKAGES)
@@ -65,9 +69,13 @@ def _nodes(context: LaunchContext) -> list[Node]:
         evaluate_condition_expression(context, [TextSubstitution(text=chosen[name])])
         for name in ("record", "overwrite")
     )
-    options = _options(chosen, recorded=recorded, overwrite=overwrite)
+    overrides = _overrides(chosen)
+    # Once, in place of once by every node.
+    refuse_unknown_arguments(Path(__file__).name, ARGUMENTS, context.argv or (), sys.argv)
+    check_experiment(chosen["experiment"], overrides)
+    options = _options(chosen, overrides, recorded=recorded, overwrite=overwrite)
     roles = chosen["nodes"].split()
-    packages = PACKAGES | SUPERVISOR
+    packages = PACKAGES | SUPERVISOR | EFFORTS
     if chosen["supervision"] and chosen["nodes"] == ALL_NODES:
         roles.append("supervisor")
     if unknown := sorted(set(roles) - set(packages)):
@@ -85,7 +93,7 @@ def _nodes(context: LaunchContext) -> list[Node]:
     ]
 
 
-def _options(chosen: dict[str, str], *, recorded: bool, overwrite: bool) -> list[str]:
+def _options(chosen: dict[str, str], overrides: list[str], *, recorded: bool, overwrite: bool) -> list[str]:
     """The command line that all nodes share: one experiment for every node."""
     experiment = Path(chosen["experiment"])
     # A shipped one by its full name, so that two of one name in two folders do not meet.
@@ -97,12 +105,17 @@ def _options(chosen: dict[str, str], *, recorded: bool, overwrite: bool) -> list
         options.append("--no-record")
     if chosen["realtime"]:
         options += ["--realtime", chosen["realtime"]]
+    for override in overrides:
+        options += ["--set", override]
+    return options
+
+
+def _overrides(chosen: dict[str, str]) -> list[str]:
+    """Keys of the experiment that arguments set."""
     law = [f"controller.law={chosen['controller']}"] if chosen["controller"] else []
     if chosen["supervision"] not in ("", OWN):
         law.append(f"supervision={chosen['supervision']}")
-    for override in [*law, *shlex.split(chosen["set"])]:
-        options += ["--set", override]
-    return options
+    return [*law, *shlex.split(chosen["set"])]
 
 
 def _on_exit(event: Event, context: LaunchContext) -> TimerAction | None:

@@ -6,6 +6,9 @@ is a shipped one. Launch exits with 1 when a node fails or no command comes.
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, RegisterEventHandler
 from launch.conditions import evaluate_condition_expression
 from launch.event import Event
@@ -15,6 +18,7 @@ from launch.substitutions import TextSubstitution
 from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
+from space_robot_bringup.launching import refuse_unknown_arguments
 
 ARGUMENTS = {
     "bag": (None, "run directory, bag or .mcap file, of any tool"),
@@ -41,6 +45,7 @@ def generate_launch_description() -> LaunchDescription:
 
 def _nodes(context: LaunchContext) -> list[Node]:
     chosen = context.launch_configurations
+    refuse_unknown_arguments(Path(__file__).name, ARGUMENTS, context.argv or (), sys.argv)
     options = [chosen["bag"], "--as", chosen["as"]]
     if chosen["rate"]:
         options += ["--rate", chosen["rate"]]

@@ -11,6 +11,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict, expand
 from space_robot_msgs_py.interfaces import Vector
 
+PARTS = ("translation", "rotation", "joints")
 Axes = NonNegativeFloat | Annotated[tuple[NonNegativeFloat, ...], Field(min_length=3, max_length=3)]
 Joints = NonNegativeFloat | tuple[NonNegativeFloat, ...] | dict[str, NonNegativeFloat]
 
@@ -22,7 +23,7 @@ class OneForAll(Strict):
     @classmethod
     def _one_for_all(cls, data: Any) -> Any:
         if isinstance(data, (int, float)) and not isinstance(data, bool):
-            return {"translation": data, "rotation": data, "joints": data}
+            return dict.fromkeys(PARTS, data)
         return data
 
 

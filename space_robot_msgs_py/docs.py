@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from space_robot_msgs_py.log.preamble import log_name
 from space_robot_msgs_py.qos import LOCK_STEP_DEPTH, OF_A_STATE, asked_of, qos_of
+from space_robot_msgs_py.set_points import SET_POINTS
 from space_robot_msgs_py.topics import TABLE, Kind, Topic
 
 _INTRODUCTION = """\
@@ -32,8 +33,16 @@ _KINDS: dict[Kind, str] = {
     "plant_event": "what happens to the real robot, from that stamp on",
     "description": "text, once per run",
     "event": "of the run as a whole: its begin, its end, how far it may go",
+    "set_point": "what the robot is to do, from outside, in a run with `reference: {kind: live}`",
     "tool": "for tools; nothing in the control loop depends on it",
 }
+
+_SET_POINTS = """\
+## Set-points from outside
+
+With `reference: {kind: live}` guidance listens to these ([how](ros2.md#set-points-from-outside)), RELIABLE and VOLATILE
+as is the default of ROS. What it makes of them is in the log, as references.
+"""
 
 _QUALITY = f"""\
 The depth is 1000 because KEEP_LAST drops a burst beyond its depth silently. This is what a log says of its topics. On
@@ -81,6 +90,8 @@ def topics_markdown() -> str:
             "## Quality of service\n",
             _table(("topic", "reliability", "durability", "history", "asked by subscriptions"), offers),
             _QUALITY,
+            _SET_POINTS,
+            _table(("topic", "type", "meaning"), [(f"`{one.name}`", one.type, one.meaning) for one in SET_POINTS]),
             _CONVENTIONS.rstrip("\n"),
             "",
         ]

@@ -38,6 +38,7 @@ class StampJoiner(Generic[T]):
         # The first key came first, and is the one to give up; an OrderedDict finds it at once.
         self._open: OrderedDict[int, dict[int, T]] = OrderedDict()
         self._done: OrderedDict[int, None] = OrderedDict()
+        self._giving_way: set[tuple[int, int]] = set()
         self.dropped = 0
 
     def __len__(self) -> int:
@@ -58,7 +59,10 @@ class StampJoiner(Generic[T]):
         if items is None:
             items = self._open[stamp] = {}
             self._make_room()
-        if part_index in items and self._choose is not None:
+        if (part_index, stamp) in self._giving_way:
+            self._giving_way.discard((part_index, stamp))
+            items[part_index] = item
+        elif part_index in items and self._choose is not None:
             item = self._choose(part_index, items[part_index], item)
             items[part_index] = item
         else:
@@ -66,8 +70,15 @@ class StampJoiner(Generic[T]):
         if len(items) < self._parts:
             return None
         del self._open[stamp]
+        if self._giving_way:
+            self._giving_way.difference_update((index, stamp) for index in range(self._parts))
         self._remember(stamp)
         return tuple([items[index] for index in range(self._parts)])
+
+    def let_give_way(self, part_index: int, stamp: int) -> None:
+        """Of a part, what waits for stamps later than this one [ns] gives way to the next that comes for them."""
+        later = [one for one, items in self._open.items() if one > stamp and part_index in items]
+        self._giving_way.update((part_index, one) for one in later)
 
     def drop_before(self, stamp: int) -> int:
         """Give up incomplete stamps older than this one [ns]; return how many."""
@@ -79,6 +90,7 @@ class StampJoiner(Generic[T]):
     def clear(self) -> None:
         """Forget everything but the count of dropped stamps, as at the start of a run."""
         self._open.clear()
+        self._giving_way.clear()
         self._done.clear()
 
     def _remember(self, stamp: int) -> None:

@@ -25,3 +25,17 @@ class ParameterRow:
     dynamic: bool = False
     lower: float | None = None
     upper: float | None = None
+
+
+# Stands before what is said in place of a value that is too long to be shown.
+_NOT_SHOWN = "not shown: "
+
+
+def not_shown(what: str) -> str:
+    """What a parameter says whose value is too long to be shown, or no plain one."""
+    return f"{_NOT_SHOWN}{what}"
+
+
+def is_not_shown(value: object) -> bool:
+    """Whether a parameter only says that there is a value."""
+    return isinstance(value, str) and value.startswith(_NOT_SHOWN)

@@ -49,7 +49,7 @@ def qos_of(topic: Topic) -> Qos:
     """What a publisher of a row of the table offers, and a log says of it."""
     if topic.latched:
         return Qos(1, "reliable", "transient_local")
-    if topic.kind == "tool":
+    if topic.kind in ("tool", "set_point"):
         # Reliable, so that both kinds of subscriber match; volatile, because old times and diagnostics only confuse.
         return Qos(TOOL_DEPTH, "reliable", "volatile")
     return Qos(VALUE_DEPTH, "reliable", "transient_local")

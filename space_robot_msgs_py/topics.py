@@ -19,6 +19,7 @@ Kind = Literal[
     "plant_event",
     "description",
     "event",
+    "set_point",
     "tool",
 ]
 

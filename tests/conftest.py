@@ -15,6 +15,8 @@ from space_robot_cli.main import main
 from tests.support.follow import Spawn, ended
 from tests.support.tool import Tool
 
+# The messages of the wheels check no types unless this is there when they are imported, here and in every process.
+os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 # Every test takes a domain that is free: one that is set here would be the same for all that run beside each other.
 os.environ.pop("ROS_DOMAIN_ID", None)
 

@@ -10,10 +10,14 @@ from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_description.fields import parameter_rows
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.parameters import ParameterRow
+from space_robot_msgs_py.parameters import ParameterRow, is_not_shown, not_shown
 
 # What a node calls shorter than the experiment does.
 CONTROLLER = ("law", "gains", "standby", "switches", "handover")
+# Where a run has got to, which is nothing to start with.
+ACTIVE_LAW = "active_law"
+# The one text that may be any, and so is no YAML.
+TITLE = "title"
 
 
 def rows_of(role: str, composition: Composition) -> list[ParameterRow]:
@@ -22,7 +26,8 @@ def rows_of(role: str, composition: Composition) -> list[ParameterRow]:
     Gains are the law's own: they are declared when it is there.
     """
     experiment = composition.experiment
-    rows = [ParameterRow("robot", composition.nominal.name, "name of the robot"), *_plain(experiment)]
+    robot = experiment.robot if isinstance(experiment.robot, str) else not_shown(composition.nominal.name)
+    rows = [ParameterRow("robot", robot, "shipped name or file of the robot"), *_plain(experiment)]
     if role == "controller":
         rows += [row for row in parameter_rows(experiment.controller) if not row.name.startswith(("gains", "standby"))]
         rows += parameter_rows(experiment.nominal, "nominal.")
@@ -35,24 +40,31 @@ def rows_of(role: str, composition: Composition) -> list[ParameterRow]:
     return rows
 
 
-def overrides_from(given: Mapping[str, Any]) -> list[str]:
+def overrides_from(given: Mapping[str, Any]) -> dict[str, str]:
     """Parameters given at the start as ``--set`` takes them: ``law`` and ``gains.kappa`` are the controller's.
 
     Args:
-        given: name to plain value; a text may be YAML, as on the command line.
+        given: name to plain value; a text may be YAML, as on the command line. Of what ``ros2 param dump`` writes
+            the active law is left out, and where a value is too long to be shown: it is that of the experiment.
+
+    Returns:
+        ``key=value`` by the name of the parameter.
 
     Raises:
         SpecError: a parameter without a value.
     """
-    assignments = []
+    found = {}
     for name, value in given.items():
         if value is None:
-            raise SpecError("has no value", key=name)
+            raise SpecError("has no value", key=f"parameter {name}")
+        if is_not_shown(value) or name == ACTIVE_LAW:
+            continue
         key = f"controller.{name}" if name.partition(".")[0] in CONTROLLER else name
-        assignments.append(f"{key}={value if isinstance(value, str) else json.dumps(value)}")
-    return assignments
+        literal = isinstance(value, str) and name != TITLE
+        found[name] = f"{key}={value if literal else json.dumps(value)}"
+    return found
 
 
 def _plain(experiment: Experiment) -> list[ParameterRow]:
-    wanted = ("title", "control_period", "duration", "seed")
+    wanted = (TITLE, "control_period", "duration", "seed")
     return [row for row in parameter_rows(experiment.model_copy(update={"robot": ""})) if row.name in wanted]

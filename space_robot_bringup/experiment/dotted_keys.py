@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from space_robot_control.per_dof import PARTS
 from space_robot_description.frozen import plain
 from space_robot_msgs_py.errors import SpecError
 
@@ -15,7 +16,8 @@ def set_key(data: dict[str, Any], key: str, value: Any, where: str) -> None:
 
     Args:
         data: what is changed.
-        key: a number in it is an item of a list; a name with dots, such as a body's in ``dispersion.parameters``, is
+        key: a number in it is an item of a list; where one number stands for translation, rotation and joints, one of
+            them may be set, and the others keep it; a name with dots, such as a body's in ``dispersion.parameters``, is
             found where it already stands.
         value: the new value; a copy of it is set.
         where: what is being set, for errors.
@@ -34,9 +36,15 @@ def set_key(data: dict[str, Any], key: str, value: Any, where: str) -> None:
         slot = _slot(place, name, where)
         if not key:
             place[slot] = plain(value)
+        elif isinstance(place, dict) and key.partition(".")[0] in PARTS and _is_number(place.get(slot)):
+            place[slot] = dict.fromkeys(PARTS, place[slot])
         elif isinstance(place, dict) and place.get(slot) is None:
             place[slot] = {}
         place = place[slot]
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _slot(place: Any, name: str, where: str) -> str | int:

@@ -19,24 +19,26 @@ from pydantic import (
 
 from space_robot_bringup.experiment.base import BASE, with_base
 from space_robot_bringup.experiment.controller import ControllerSpec, check_controller
-from space_robot_bringup.experiment.dotted_keys import LAW_KEY, set_key
 from space_robot_bringup.experiment.expectations import AnyExpectation
+from space_robot_bringup.experiment.overrides import Assignment as Assignment
+from space_robot_bringup.experiment.overrides import Overrides as Overrides
+from space_robot_bringup.experiment.overrides import assignments as assignments
+from space_robot_bringup.experiment.overrides import parsed as parsed
+from space_robot_bringup.experiment.overrides import with_overrides as with_overrides
 from space_robot_bringup.experiment.plant import AnyPlant, ModelSpec, PlantSpec
 from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.experiment.recorded_reference import with_recorded_log
 from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
-from space_robot_description.frozen import plain
 from space_robot_description.share import config_dir, is_file, shipped_or_file
 from space_robot_description.spec import PerJoint, Strict, Three, Title
-from space_robot_description.validation import parse_yaml, parse_yaml_value, validate
+from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.paths import StrPath
 from space_robot_sim.faults.catalogue import AnyFault, parse_fault
 from space_robot_supervisor.table import SupervisionTable
 
 # Dotted key to value, or texts ``dotted.key=value`` with the value in YAML.
-Overrides = Mapping[str, Any] | Sequence[str]
 
 
 class Initial(Strict):
@@ -159,7 +161,12 @@ class ExperimentFile:
 
     def experiment(self, overrides: Overrides = ()) -> Experiment:
         """The second half of ``load_experiment``."""
-        return experiment_from(located(with_overrides(self.content, overrides), self.folder), self.where)
+        given = assignments(overrides)
+        # A table may be a name until here, and a key inside of it is one of its content.
+        inside = [one for one in given if one.key.startswith("supervision.")]
+        data = with_overrides(self.content, [one for one in given if one not in inside])
+        data = located(data, self.folder) if inside else data
+        return experiment_from(located(with_overrides(data, inside), self.folder), self.where)
 
 
 def read_experiment(name_or_path: StrPath) -> ExperimentFile:
@@ -168,40 +175,6 @@ def read_experiment(name_or_path: StrPath) -> ExperimentFile:
     content = parse_yaml(path)
     base = f" (base {content[BASE]})" if BASE in content else ""
     return ExperimentFile(with_base(content, path.parent, str(path)), path.parent, f"{os.fspath(name_or_path)}{base}")
-
-
-def with_overrides(content: Mapping[str, Any], overrides: Overrides) -> dict[str, Any]:
-    """A copy of the mapping, as plain data, with every override set.
-
-    Raises:
-        SpecError: an override is not one, or its key leads nowhere.
-    """
-    data: dict[str, Any] = plain(content)
-    # The law first: gains given beside it are meant for it, those of the file's own law are not.
-    for key, value, where in sorted(assignments(overrides), key=lambda assignment: assignment[0] != LAW_KEY):
-        set_key(data, key, value, where)
-    return data
-
-
-def assignments(overrides: Overrides) -> list[tuple[str, Any, str]]:
-    """(dotted key, value, what to call it in an error) of each override."""
-    if not isinstance(overrides, Mapping):
-        return [_assignment(text) for text in ([overrides] if isinstance(overrides, str) else overrides)]
-    for key, value in overrides.items():
-        if not (isinstance(key, str) and key.strip()):
-            raise SpecError("not a dotted key", key="overrides", value=key, accepted="e.g. controller.gains.damping")
-        try:
-            plain(value)
-        except ValueError as error:
-            raise SpecError(str(error), key=key) from None
-    return [(key.strip(), value, key.strip()) for key, value in overrides.items()]
-
-
-def _assignment(override: str) -> tuple[str, Any, str]:
-    key, equals, text = str(override).partition("=")
-    if not equals or not key.strip():
-        raise SpecError("not an assignment", key="--set", value=override, accepted="dotted.key=value")
-    return key.strip(), parse_yaml_value(text, f"--set {key}"), f"--set {key}"
 
 
 def located(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:

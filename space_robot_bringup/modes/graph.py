@@ -14,12 +14,15 @@ from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 
 from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.compose.live import live_reference
 from space_robot_bringup.compose.parameters import rows_of
 from space_robot_bringup.modes.context import private_context
-from space_robot_bringup.modes.hooks import SUPERVISOR, Hooks, roles_of
+from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, SUPERVISOR, Hooks, roles_of
 from space_robot_bringup.modes.signals import Interrupted
 from space_robot_control.nodes.controller import ControllerNode
+from space_robot_control.nodes.effort_controller import EffortControllerNode
 from space_robot_control.nodes.guidance import GuidanceNode
+from space_robot_control.nodes.live_guidance import LiveGuidanceNode
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.log.free_directory import free_directory
 from space_robot_msgs_py.log.run_directory import RunDirectory
@@ -68,6 +71,8 @@ def make_node(
 ) -> GraphNode:
     """One node of the graph by its role, to be brought up: recorder, guidance, supervisor, controller or simulator.
 
+    In place of the controller there may be an effort controller.
+
     Raises:
         SpecError: a supervisor in a run without supervision.
     """
@@ -84,9 +89,14 @@ def make_node(
         timing |= {"lossless": realtime is None, "ahead": ahead} | optional
         return RecorderNode(_writers(composition, directory, mode), names, **timing, **options)
     if role == "guidance":
+        live = live_reference(composition)
+        if live is not None:
+            return LiveGuidanceNode(live, names, **timing, **options)
         return GuidanceNode(composition.reference(), names, **timing, **options)
     if role == SUPERVISOR:
         return _supervisor_node(composition, lossless=realtime is None, **options)
+    if role == EFFORT_CONTROLLER:
+        return EffortControllerNode(names, paced=realtime is not None, **options)
     if role == "controller":
         supervised = composition.experiment.supervision is not None
         options |= {"supervised": supervised, "wheels": WHEEL_MOMENTUM in composition.optional_topics}

@@ -9,6 +9,8 @@ from time import perf_counter
 ROLES = ("recorder", "guidance", "controller", "simulator")
 # Only in runs with a table of supervision, before the controller.
 SUPERVISOR = "supervisor"
+# Started by hand in place of the controller.
+EFFORT_CONTROLLER = "effort_controller"
 
 
 def roles_of(*, supervised: bool) -> tuple[str, ...]:

@@ -15,20 +15,20 @@ from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path
 from time import monotonic
-from typing import Never
+from typing import Any, Never
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 
-from space_robot_bringup.compose.composition import Composition, compose
-from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.modes.context import domain_number, local_context
 from space_robot_bringup.modes.graph import drain, make_executor, make_node, raise_bug, spin
 from space_robot_bringup.modes.signals import Interrupted, RunStop
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ChildEnd
-from space_robot_bringup.nodes.arguments import Start, parser, split_ros_arguments, start_from
+from space_robot_bringup.nodes.arguments import Start, composed, parser, split_ros_arguments, start_from
 from space_robot_bringup.nodes.patience import Patience
+from space_robot_bringup.nodes.waiting import WaitNotes
 from space_robot_description.fields import parameter_rows
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.log.free_directory import checked_directory
@@ -39,6 +39,7 @@ from space_robot_msgs_py.nodes.parameters import given_at_start
 from space_robot_msgs_py.topics import BASE_ODOM
 from space_robot_sim.nodes.pacing import REALTIME
 from space_robot_sim.nodes.recorder import RecorderNode
+from space_robot_sim.nodes.services import STEP_COUNT
 
 ACKNOWLEDGE_SECONDS = 5.0
 # Where a process of the run died, it acknowledges nothing any more.
@@ -47,10 +48,18 @@ PROGRESS_SECONDS = 0.2
 POLL_SECONDS = 0.05
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run one node until the run ends. Returns 0, 1 where the node failed, 2 on bad input."""
+def main(arguments: list[str] | None = None, name: str = "") -> int:
+    """Run one node until the run ends.
+
+    Args:
+        arguments: of the command line, role first; None: those of this process.
+        name: of the executable, for its help.
+
+    Returns:
+        0, 1 where the node failed, 2 on bad input.
+    """
     own, ros = split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
-    options = parser().parse_args(own)
+    options = parser(name).parse_args(own)
     with RunStop(signal.SIGINT, signal.SIGTERM) as stop:
         tether = ChildEnd(options.tether, stop.end)
         try:
@@ -68,8 +77,9 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
     # As every ROS process: what starts several of us gives them one domain, or they meet on 0.
     domain = domain_number(os.environ.get("ROS_DOMAIN_ID", "0"))
     with local_context(domain, ros) as context:
-        start = start_from(vars(options), given_at_start(options.role, context))
-        composition = compose(load_experiment(start.experiment, start.set))
+        given = given_at_start(options.role, context)
+        start = start_from(vars(options), given)
+        composition = composed(start, given)
         if options.role == "recorder":
             # It runs no user code, and what it has begun to write is closed in order.
             stop.ending()
@@ -79,9 +89,13 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
             tether.grace = CLOSING_SECONDS
         patience = start.patience if start.autostart and start.patience else inf
         watches = [Patience(node, BASE_ODOM, patience).look] if options.role != "simulator" else []
+        if options.tether is None:
+            # Started by hand: what it does is in its log and not in that of a run.
+            watches.append(WaitNotes(node).look)
+            node.get_logger().info(_greeting(options.role, start, composition))
         if isinstance(node, RecorderNode):
             watches.append(_progress(node, composition.experiment.period, tether))
-        code = _spin(node, stop, tether, watches)
+        code = _spin(node, stop, tether, watches, log=options.tether is None)
         if options.debug and node.failure is not None:
             traceback.print_exception(node.failure)
         return code
@@ -91,7 +105,11 @@ def _node(options: Namespace, start: Start, composition: Composition, context: C
     role, out = options.role, Path(start.out)
     if role == "recorder" and options.directory is None:
         checked_directory(out, overwrite=start.overwrite, key="out")
-    extra = {"recorded": start.record, "patience": start.patience or inf} if role == "simulator" else {}
+    extra: dict[str, Any] = {}
+    if role == "simulator":
+        extra = {"recorded": start.record, "patience": start.patience or inf, "step_count": start.step_count}
+    # The simulator declares its own, which may change during the run.
+    hidden = (REALTIME, STEP_COUNT) if role == "simulator" else (STEP_COUNT,)
     node = make_node(
         role,
         composition,
@@ -99,8 +117,7 @@ def _node(options: Namespace, start: Start, composition: Composition, context: C
         realtime=start.realtime or None,
         mode="processes",
         context=context,
-        # The simulator's own is the one that may change during the run.
-        rows=[row for row in parameter_rows(start) if row.name != REALTIME or role != "simulator"],
+        rows=[row for row in parameter_rows(start) if row.name not in hidden],
         overridable=True,
         **extra,
     )
@@ -109,7 +126,14 @@ def _node(options: Namespace, start: Start, composition: Composition, context: C
     return node
 
 
-def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Callable[[], None]]) -> int:
+def _greeting(role: str, start: Start, composition: Composition) -> str:
+    """What a node that was started by hand says first."""
+    pace = f"{start.realtime:g} x real time" if start.realtime else "lock-step"
+    also = {"recorder": f", log in {start.out}", "controller": f", law {composition.experiment.controller.law}"}
+    return f"started: {start.experiment}, {composition.experiment.duration:g} s, {pace}{also.get(role, '')}"
+
+
+def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Callable[[], None]], *, log: bool) -> int:
     executor = make_executor(node.context)
     executor.add_node(node)
 
@@ -132,6 +156,8 @@ def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Ca
     tether.tell(end=reason)
     if isinstance(node, RecorderNode):
         tether.tell(logged=drain(executor, node, reason))
+    if log:
+        node.get_logger().info(f"the run has ended: {reason}")
     begun = monotonic()
     node.flush(ACKNOWLEDGE_SECONDS, lambda: tether.hurry and monotonic() - begun > HURRIED_SECONDS)
     if tether.bereaved:

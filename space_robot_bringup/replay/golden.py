@@ -8,11 +8,14 @@ from pathlib import Path
 from space_robot_bringup.modes import headless
 from space_robot_bringup.replay.controller_events import Repeated, RepeatedOrders
 from space_robot_bringup.replay.recording import Recording
+from space_robot_control.references.recorded import Recorded
 from space_robot_msgs_py.codec.codecs import decode_events, decode_statuses
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.events import ControllerEvent
+from space_robot_msgs_py.interfaces import ReferenceSource
 from space_robot_msgs_py.log.bag import Bag
 from space_robot_msgs_py.log.directory import BAG_SUFFIX, METADATA_FILE
+from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.writer import LogSink
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, EVENTS
 from space_robot_supervisor.reports import orders_in
@@ -38,7 +41,7 @@ def update_reference(recording: Recording) -> bool:
         with tempfile.TemporaryDirectory(prefix=f".{old.parent.name}.", dir=old.parent) as scratch:
             sink = LogSink(Path(scratch) / old.name.removesuffix(BAG_SUFFIX), composition.header, custom=_HEADLESS)
             controller = Repeated(composition.controller(), _events(recording))
-            parts = composition.plant(), controller, composition.reference()
+            parts = composition.plant(), controller, _reference(recording)
             steps, watch = composition.experiment.steps, composition.supervisor()
             supervisor = None if watch is None else RepeatedOrders(watch, _orders(recording))
             reason = headless.run(*parts, steps=steps, sink=sink, supervisor=supervisor)
@@ -55,6 +58,14 @@ def _events(recording: Recording) -> dict[int, tuple[ControllerEvent, ...]]:
     """Recorded changes belong to the run, and are applied in the new one too."""
     rows = ((stamp, parts.get(CONTROLLER_EVENTS.name)) for stamp, parts in recording.rows())
     return {stamp: decode_events(raw) for stamp, raw in rows if raw is not None}
+
+
+def _reference(recording: Recording) -> ReferenceSource:
+    """What set-points from outside made of the reference belongs to the run, too."""
+    if recording.composition.experiment.reference.kind != "live":
+        return recording.composition.reference()
+    arrays = LogReader(recording.path).arrays()
+    return Recorded.from_arrays(arrays.stamp.tolist(), arrays.q_d, arrays.v_d, arrays.a_d)
 
 
 def _orders(recording: Recording) -> dict[int, list[str]]:

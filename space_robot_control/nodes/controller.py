@@ -19,6 +19,7 @@ from space_robot_msgs_py.codec.codecs import CommandCodec, SupervisionCodec, Tel
 from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState, SupervisedController
+from space_robot_msgs_py.nodes.fill import fill
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.nodes.tick_inputs import TickInputs
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, SUPERVISOR_MODE, WRENCH_COMMAND
@@ -212,6 +213,4 @@ class ControllerNode(ManagedNode):
         assert isinstance(self._law, Switching)
         target = self._law.next_in_turn()
         self._law.switch_to(target)
-        response.success = True
-        response.message = f"{target} takes over from {self._law.active} at the next state"
-        return response
+        return fill(response, success=True, message=f"{target} takes over from {self._law.active} at the next state")

@@ -56,6 +56,9 @@ class GuidanceNode(GraphNode):
         self._next, self._reached, self._doubted = 0, -1, -1
         self._publish_until(self._ahead)
 
+    def reached(self, tick: int) -> None:
+        """The robot has got to a tick of the run; by default nothing is to be done."""
+
     def _on_state(self, raw: bytes) -> None:
         try:
             stamp = peek_stamp(raw)
@@ -69,6 +72,7 @@ class GuidanceNode(GraphNode):
         elif tick <= self._next or tick == self._doubted + 1:
             self._reached = max(self._reached, tick)
             self._publish_until(tick + self._ahead)
+            self.reached(tick)
         else:
             # Beyond all references that are out: states were lost, or this is none. The next one tells.
             self._doubted = tick

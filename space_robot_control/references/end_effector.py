@@ -94,7 +94,7 @@ def end_effector(spec: EndEffectorSpec, robot: Robot, initial_q: Vector, key: st
             accepted = "no position: without a force it follows from attitude and joints"
             raise SpecError("the base floats freely", key=f"{where}.position", accepted=accepted)
         base = PointToPoint(q, configuration(point, robot, q, where), begin, end - begin)
-        posture = _posture(point, robot, kinematics, q, where)
+        posture = posture_of(point, robot, kinematics, q, where)
         stamps.append(begin)
         legs.append(Leg(base, posture, q, begin, end - begin))
         lowest, highest = legs[-1].spline.bounds()
@@ -103,7 +103,8 @@ def end_effector(spec: EndEffectorSpec, robot: Robot, initial_q: Vector, key: st
     return EndEffector(stamps, legs)
 
 
-def _posture(point: EndEffectorPoint, robot: Robot, kinematics: ToolKinematics, first: Vector, key: str) -> Posture:
+def posture_of(point: EndEffectorPoint, robot: Robot, kinematics: ToolKinematics, first: Vector, key: str) -> Posture:
+    """Return how a leg from a configuration (7+n,) to a point finds the joints at each knot."""
     if point.tool is None:
         return lambda planned, joints, share, time: kinematics.settled(planned)
     start, tool = tool_pose(robot, first), point.tool

@@ -14,6 +14,7 @@ from space_robot_control.references.spec import (
     EndEffectorSpec,
     HarmonicSpec,
     HoldSpec,
+    LiveSpec,
     QuinticSpec,
     RecordedSpec,
     ReferenceSpec,
@@ -71,6 +72,9 @@ def make_reference(
             return end_effector(spec, robot, q, key)
         case RecordedSpec():
             return _recorded(spec, robot, key)
+        case LiveSpec():
+            # What it is until something comes, and all that a run without a graph has of it; see ``LiveReference``.
+            return Hold(q)
         case _:
             assert_never(spec)
 

@@ -165,7 +165,28 @@ class RecordedSpec(Strict):
     a: Rows = Field(description="(6+n) each, derivative of the components of v [m/s2, rad/s2]")
 
 
+class LiveSpec(Strict):
+    """Stay at the initial configuration until set-points come from outside during the run, on topics or an action."""
+
+    kind: Literal["live"] = "live"
+    base_speed: PositiveFloat = Field(
+        default=0.05, description="of the base on the way to a `base/goal`, at most [m/s]"
+    )
+    base_rate_deg: PositiveFloat = Field(default=1.0, description="the same for its attitude [deg/s]")
+    tool_speed: PositiveFloat = Field(
+        default=0.05, description="of the tool on the way to a `tool/goal`, and under `teleop`, at most [m/s]"
+    )
+    tool_rate_deg: PositiveFloat = Field(default=2.0, description="the same for its attitude [deg/s]")
+    teleop_timeout: PositiveFloat = Field(
+        default=0.5, description="of the run without a message on `teleop`, after which the tool stops [s]"
+    )
+    teleop_ramp: PositiveFloat = Field(default=1.0, description="from rest to full speed, and back, under `teleop` [s]")
+    smallest_singular_value: PositiveFloat = Field(
+        default=0.02, description="of the tool Jacobian; closer to a singularity the tool does not go [m/rad, rad/rad]"
+    )
+
+
 ReferenceSpec = Annotated[
-    HoldSpec | StepSpec | QuinticSpec | HarmonicSpec | WaypointsSpec | EndEffectorSpec | RecordedSpec,
+    HoldSpec | StepSpec | QuinticSpec | HarmonicSpec | WaypointsSpec | EndEffectorSpec | RecordedSpec | LiveSpec,
     Field(discriminator="kind"),
 ]

@@ -31,21 +31,14 @@ class RestToRestSpline:
         v, a = _inner_derivatives(spans, points)
         self._spans = spans.tolist()
         self._pieces = [
-            _quintic_piece(points[i : i + 2], h * v[i : i + 2], h * h * a[i : i + 2]) for i, h in enumerate(self._spans)
+            quintic_piece(points[i : i + 2], h * v[i : i + 2], h * h * a[i : i + 2]) for i, h in enumerate(self._spans)
         ]
 
     def at(self, time: float) -> list[list[float]]:
         """Return value, first and second derivative (k,) at a time within the spline [s]."""
         i = min(max(bisect_right(self._times, time) - 1, 0), len(self._pieces) - 1)
         h = self._spans[i]
-        t = (time - self._times[i]) / h
-        t2, t3 = t * t, t * t * t
-        powers = (
-            (1.0, t, t2, t3, t2 * t2, t2 * t3),
-            (0.0, 1.0 / h, 2.0 * t / h, 3.0 * t2 / h, 4.0 * t3 / h, 5.0 * t2 * t2 / h),
-            (0.0, 0.0, 2.0 / (h * h), 6.0 * t / (h * h), 12.0 * t2 / (h * h), 20.0 * t3 / (h * h)),
-        )
-        return cast("list[list[float]]", (np.array(powers) @ self._pieces[i]).tolist())
+        return piece_at(self._pieces[i], (time - self._times[i]) / h, h)
 
     def bounds(self) -> tuple[Vector, Vector]:
         """Return the smallest and the largest value (k,) over the whole spline."""
@@ -59,6 +52,23 @@ class RestToRestSpline:
                 values.append([extreme(np.polyval(column[::-1], inside)) for extreme in (np.min, np.max)])
         table = np.array(values).reshape(len(self._pieces), -1, 2)
         return table[:, :, 0].min(axis=0), table[:, :, 1].max(axis=0)
+
+
+def piece_at(piece: Vector, t: float, span: float) -> list[list[float]]:
+    """Return value, first and second derivative (k,) of a polynomial piece.
+
+    Args:
+        piece: (6, k) coefficients in normalised time.
+        t: normalised time in [0, 1].
+        span: duration of the piece [s].
+    """
+    t2, t3 = t * t, t * t * t
+    powers = (
+        (1.0, t, t2, t3, t2 * t2, t2 * t3),
+        (0.0, 1.0 / span, 2.0 * t / span, 3.0 * t2 / span, 4.0 * t3 / span, 5.0 * t2 * t2 / span),
+        (0.0, 0.0, 2.0 / (span * span), 6.0 * t / (span * span), 12.0 * t2 / (span * span), 20.0 * t3 / (span * span)),
+    )
+    return cast("list[list[float]]", (np.array(powers) @ piece).tolist())
 
 
 def _inner_derivatives(spans: Vector, points: Vector) -> tuple[Vector, Vector]:
@@ -94,8 +104,8 @@ def _inner_derivatives(spans: Vector, points: Vector) -> tuple[Vector, Vector]:
     return solution[::2], solution[1::2]
 
 
-def _quintic_piece(x: Vector, v: Vector, a: Vector) -> Vector:
-    """Coefficients (6, k) in normalised time from value, h v and h^2 a at both ends (2, k)."""
+def quintic_piece(x: Vector, v: Vector, a: Vector) -> Vector:
+    """Return coefficients (6, k) in normalised time from value, h v and h^2 a at both ends (2, k)."""
     d = x[1] - x[0]
     return np.array(
         (

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_description.robot import Robot
-from space_robot_description.rotations import Quaternion, conjugate, log, normalized, product
+from space_robot_description.rotations import Quaternion, conjugate, log, normalized, product, rotate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 
@@ -99,6 +99,32 @@ class ToolKinematics:
             q = self.settled(q)
         away = f"{np.linalg.norm(error[:3]):.3g} m away"
         raise SpecError(f"out of reach at {time:g} s", key=key, value=away, accepted="a pose the arm can take")
+
+    def rates(self, q: Vector, twist: Vector) -> tuple[Vector, Vector]:
+        """Return the joint rates (n,) that move the tool while the base keeps its attitude, and the base's velocity.
+
+        Arms of fewer than six joints follow the linear part alone. A free-floating base moves, the others rest.
+
+        Args:
+            q: (7+n,) configuration [m, -, rad].
+            twist: (6,) of the tool in its own axes, linear then angular [m/s, rad/s].
+
+        Raises:
+            SpecError: too few joints, or closer to a singularity than allowed.
+        """
+        rows = 6 if q.size - 7 >= 6 else 3
+        if q.size - 7 < rows:
+            raise SpecError(f"{q.size - 7} joints cannot move the tool", key="teleop", accepted="three joints or more")
+        attitude = tool_pose(self._robot, q).quaternion
+        wanted = np.array((*rotate(attitude, twist[:3]), *rotate(attitude, twist[3:])))[:rows]
+        left, singular, right = np.linalg.svd(self._jacobian(q)[:rows], full_matrices=False)
+        if singular[-1] < self._smallest:
+            accepted = f"singular values of {self._smallest:g} or more"
+            raise SpecError("near a singularity", key="teleop", value=float(singular[-1]), accepted=accepted)
+        rates: Vector = right.T @ ((left.T @ wanted) / singular)
+        if not self._floating:
+            return rates, np.zeros(3)
+        return rates, -pin.jacobianCenterOfMass(self._model, self._data, q)[:, 6:] @ rates
 
     def _error(self, q: Vector, target: Pose) -> Vector:
         pose = tool_pose(self._robot, q)

@@ -35,6 +35,8 @@ FLUSH_SECONDS = 0.1
 # The end of a run may be heard before its name: topics have no order among each other.
 NAME_SECONDS = 0.5
 MAX_EARLY_ENDS = 8
+# What may never come.
+DISPENSABLE = ("set_point", "accepted_command", "controller_telemetry", "housekeeping")
 OVERRIDABLE = (
     QoSPolicyKind.HISTORY,
     QoSPolicyKind.DEPTH,
@@ -177,6 +179,11 @@ class GraphNode(Node):  # type: ignore[misc]
         if reader is None or not any(one is reader for one in self.subscriptions):
             return None
         return int(reader.get_publisher_count())
+
+    def unheard(self) -> list[str]:
+        """Topics that it cannot do without and hears no publisher of."""
+        unneeded = {one for one in self._readers if one.sporadic or one.kind in DISPENSABLE} | {RUN_BEGIN, RUN_END}
+        return [one.name for one in self._readers if one not in unneeded and self.publisher_count(one) == 0]
 
     def flush(self, seconds: float, hurried: Callable[[], bool] = lambda: False) -> None:
         """Wait until all replies are sent and all messages acknowledged by every matched subscriber, that long in all.

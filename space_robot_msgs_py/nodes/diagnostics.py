@@ -8,6 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from space_robot_msgs_py.interfaces import NANOSECONDS
+from space_robot_msgs_py.nodes.fill import fill
 from space_robot_msgs_py.topics import DIAGNOSTICS
 
 
@@ -32,16 +33,17 @@ class Diagnostics:
             well: what to say where nothing is.
             numbers: values by key; the unit is part of the key.
         """
-        return DiagnosticStatus(
+        return fill(
+            DiagnosticStatus(),
             name=f"{self._name}: {what}",
             hardware_id=self._hardware,
             level=DiagnosticStatus.WARN if warnings else DiagnosticStatus.OK,
             message="; ".join(warnings) or well,
-            values=[KeyValue(key=k, value=v if isinstance(v, str) else f"{v:g}") for k, v in numbers.items()],
+            values=[fill(KeyValue(), key=k, value=v if isinstance(v, str) else f"{v:g}") for k, v in numbers.items()],
         )
 
     def publish(self, stamp: int, statuses: list[DiagnosticStatus]) -> None:
         """Publish statuses at a stamp [ns] of the run."""
-        message = DiagnosticArray(status=statuses)
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, NANOSECONDS)
+        message = fill(DiagnosticArray(), status=statuses)
+        fill(message.header.stamp, sec=stamp // NANOSECONDS, nanosec=stamp % NANOSECONDS)
         self._publisher.publish(message)

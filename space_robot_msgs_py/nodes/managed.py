@@ -10,6 +10,7 @@ from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallba
 
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.nodes.fill import fill
 
 WITHDRAW_SECONDS = 1.0
 
@@ -153,8 +154,7 @@ def _refuse_politely(service: Any) -> None:
         try:
             return change_state(request, response)
         except RuntimeError:
-            response.success = False
-            return response
+            return fill(response, success=False)
 
     service.callback = answer
 

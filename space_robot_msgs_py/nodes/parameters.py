@@ -15,12 +15,13 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_msgs_py.parameters import ParameterRow
+from space_robot_msgs_py.nodes.fill import fill
+from space_robot_msgs_py.parameters import ParameterRow, not_shown
 
 # What ROS itself reads from the same place.
 RESERVED = ("use_sim_time", "qos_overrides.", "start_type_description_service")
 # A recorded reference may have thousands of numbers; a parameter is for people.
-MAX_CHARACTERS = 2000
+MAX_CHARACTERS, MAX_NUMBERS, EXCERPT = 20_000, 2000, 200
 
 
 class NodeParameters:
@@ -67,12 +68,12 @@ class NodeParameters:
     def _on_set(self, parameters: Sequence[Parameter]) -> SetParametersResult:
         changes = {one.name: from_ros(one.value) for one in parameters if one.name in self._own}
         if self._quiet or not changes:
-            return SetParametersResult(successful=True)
+            return fill(SetParametersResult(), successful=True)
         try:
             self._apply(changes)
         except SpaceRobotError as error:
-            return SetParametersResult(successful=False, reason=str(error))
-        return SetParametersResult(successful=True)
+            return fill(SetParametersResult(), successful=False, reason=error)
+        return fill(SetParametersResult(), successful=True)
 
 
 def given_at_start(name: str, context: Context) -> dict[str, Any]:
@@ -104,17 +105,20 @@ def given_at_start(name: str, context: Context) -> dict[str, Any]:
 
 
 def to_ros(value: Any) -> Any:
-    """The value as ROS knows it; what has no type there (nothing, sections, mixed lists) is JSON text."""
+    """The value as ROS knows it; what has no type there (nothing, sections, mixed lists) is JSON text.
+
+    What is too long says so, and is no value when it comes back: see ``is_not_shown``.
+    """
     if isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, list | tuple) and value:
         kinds = {type(item) for item in value}
         if kinds <= {int, float}:
-            return [float(item) for item in value] if len(value) < MAX_CHARACTERS else f"{len(value)} numbers"
+            return [float(item) for item in value] if len(value) < MAX_NUMBERS else not_shown(f"{len(value)} numbers")
         if len(kinds) == 1 and kinds <= {str, bool}:
             return list(value)
     text = json.dumps(value)
-    return text if len(text) < MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}..."
+    return text if len(text) < MAX_CHARACTERS else not_shown(f"{text[:EXCERPT]}...")
 
 
 def from_ros(value: Any) -> Any:
@@ -123,7 +127,8 @@ def from_ros(value: Any) -> Any:
 
 
 def _descriptor(row: ParameterRow) -> ParameterDescriptor:
-    descriptor = ParameterDescriptor(
+    descriptor = fill(
+        ParameterDescriptor(),
         description=row.description,
         read_only=not row.dynamic,
         # A gain may be one number or several, whichever of them the experiment has.
@@ -133,6 +138,6 @@ def _descriptor(row: ParameterRow) -> ParameterDescriptor:
         lower = -math.inf if row.lower is None else row.lower
         upper = math.inf if row.upper is None else row.upper
         if isinstance(row.value, float):
-            descriptor.floating_point_range = [FloatingPointRange(from_value=lower, to_value=upper)]
+            descriptor.floating_point_range = [fill(FloatingPointRange(), from_value=lower, to_value=upper)]
         descriptor.additional_constraints = f"{lower:g} to {upper:g}"
     return descriptor

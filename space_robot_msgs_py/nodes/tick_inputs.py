@@ -103,6 +103,9 @@ class TickInputs:
             if index == 0:
                 self._repeated(stamp)
             return
+        if stamp == 0 and self._split <= index < self._whole:
+            # Guidance begins again: what it said before for later stamps is of the run before.
+            self._joiner.let_give_way(index, stamp)
         joined = self._joiner.add(index, stamp, blocks)
         if joined is not None:
             self._join(stamp, joined)

@@ -30,7 +30,7 @@ from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
 from space_robot_sim.nodes.offers import Offers
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
-from space_robot_sim.nodes.services import RunServices, StepGate
+from space_robot_sim.nodes.services import STEP_COUNT, RunServices, StepGate, checked_count, step_count_row
 from space_robot_sim.nodes.tick_parts import MAX_LATE
 from space_robot_sim.nodes.transforms import TransformPublisher
 
@@ -60,6 +60,7 @@ class SimulatorNode(ManagedNode):
         optional: the optional topics of this run, for the events of the plant and the momentum of the wheels.
         ahead: so many states the run may be ahead of its recorder in lock-step.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
+        step_count: so many periods ``~/step`` grants, a dynamic parameter.
         options: see ManagedNode.
     """
 
@@ -76,6 +77,7 @@ class SimulatorNode(ManagedNode):
         optional: Collection[Topic] = (),
         ahead: int = 0,
         patience: float = 60.0,
+        step_count: int = 1,
         name: str = "simulator",
         **options: Any,
     ) -> None:
@@ -90,7 +92,7 @@ class SimulatorNode(ManagedNode):
         self.sample: PlantSample | None = None
         self.started = False
         self.on_tick: Callable[[int], None] = lambda tick: None
-        self._gate = StepGate()
+        self._gate, self._step_count = StepGate(), step_count
         self._run = RunBegin(uuid4().hex[:16], 0)
         self.runs[self._run.run] = 0
         # What comes while it is not configured is heard: nothing is sent twice.
@@ -98,7 +100,8 @@ class SimulatorNode(ManagedNode):
         self._credit = Credit(self)
         keep_late = 0 if realtime is None else MAX_LATE
         self.commands = CommandPort(self, joint_names, self._on_answer, period=period, keep_late=keep_late)
-        self.listen(RECORDER_CREDIT, self._on_credit)
+        if recorded:
+            self.listen(RECORDER_CREDIT, self._on_credit)
         self._offers = Offers(self, self._waiting, self._say_again, self.commands.readers)
         self.keep()
 
@@ -118,8 +121,8 @@ class SimulatorNode(ManagedNode):
         self._description_publisher.publish(encode_string(self._urdf))
         self._transforms = TransformPublisher(self, self._urdf, self._joint_names)
         self.pacer = Pacer(self, self._period / self._realtime, self._on_period) if self._realtime else None
-        self.parameters.declare([realtime_row(self._realtime)])
-        self._steering = RunServices(self)
+        self.parameters.declare([realtime_row(self._realtime), step_count_row(self._step_count)])
+        self._steering = RunServices(self, lambda: self._step_count)
         self._health = SimulatorHealth(self, self._status, self._patience)
 
     def activate(self) -> None:
@@ -135,14 +138,16 @@ class SimulatorNode(ManagedNode):
         del self._plant
 
     def retune(self, changes: dict[str, Any]) -> None:
-        """Run faster or slower from the next period on.
+        """Take over another pace, from the next period on, or another number of steps.
 
         Raises:
-            SpecError: not a number within the bounds of the parameter.
+            SpecError: not within the bounds of the parameter.
         """
-        if self.pacer is not None:
+        count = checked_count(changes.get(STEP_COUNT, self._step_count))
+        if self.pacer is not None and REALTIME in changes:
             self._realtime = checked_factor(changes[REALTIME])
             self.pacer.pace(self._period / self._realtime)
+        self._step_count = count
 
     @property
     def begun(self) -> bool:
@@ -215,7 +220,7 @@ class SimulatorNode(ManagedNode):
         self._begin_publisher.publish(encode_begin(self._run))
 
     def _on_credit(self, raw: bytes) -> None:
-        if self._recorded and self._credit.take(raw, self.stamp, self._period) and self.configured:
+        if self._credit.take(raw, self.stamp, self._period) and self.configured:
             self._start()
             self._on_answer()
 
@@ -294,7 +299,6 @@ class SimulatorNode(ManagedNode):
 
     def _say_what_was_refused(self) -> None:
         """A run that deviated from its commands reports it; the numbers in the log cannot."""
-        counts = {name: number for name, number in self.commands.counts.items() if name != REPEATED}
-        if counts:
-            what = ", ".join(f"{number} {name}" for name, number in sorted(counts.items()))
+        if counts := {name: n for name, n in self.commands.counts.items() if name != REPEATED}:
+            what = ", ".join(f"{n} {name}" for name, n in sorted(counts.items()))
             self.get_logger().warning(f"commands refused or missed in {self._steps} periods: {what}")

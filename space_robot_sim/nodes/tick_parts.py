@@ -93,6 +93,9 @@ class TickParts:
         elif topic in parts and self._stays(topic, stamp):
             return None if parts[topic] == data else f"stamp {stamp} ns has another one"
         parts[topic] = data
+        if stamp == 0 and topic.kind == "reference":
+            # Guidance begins again: what it said before for later stamps is of the run before.
+            self._provisional.update((topic, other) for other, its in self._pending.items() if other and topic in its)
         if stamp > self.reached and topic.kind != "reference":
             if self._is_early(topic, stamp, parts):
                 self._provisional.add((topic, stamp))

@@ -21,6 +21,7 @@ from space_robot_msgs_py.codec.codecs import (
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState, Supervision, SupervisorUnit, Telemetry
 from space_robot_msgs_py.joiner import StampJoiner
+from space_robot_msgs_py.nodes.fill import fill
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.nodes.tick_inputs import JOIN_CAPACITY, TickInputs
 from space_robot_msgs_py.topics import (
@@ -193,8 +194,6 @@ class SupervisorNode(ManagedNode):
 
     def _on_command(self, command: str, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         if not self.active or self.end_reason is not None:
-            response.success, response.message = False, "the supervisor is not active"
-            return response
+            return fill(response, success=False, message="the supervisor is not active")
         said = self._supervisor.order(command)
-        response.success, response.message = said.accepted, said.reason
-        return response
+        return fill(response, success=said.accepted, message=said.reason)

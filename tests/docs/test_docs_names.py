@@ -8,12 +8,13 @@ from itertools import pairwise
 
 import pytest
 
+from space_robot_msgs_py.set_points import SET_POINTS
 from space_robot_msgs_py.topics import TABLE
 from tests.docs.pages import ROOT, Span, pages, spans
 from tests.docs.tree import Tree
 
 TREE = Tree(ROOT)
-TOPICS = {topic.name.strip("/") for topic in TABLE}
+TOPICS = {topic.name.strip("/") for topic in (*TABLE, *SET_POINTS)}
 SPANS = [span for page in pages() for span in spans(str(page.relative_to(ROOT)), page.read_text(encoding="utf-8"))]
 
 # Names of others, and names that stand for one that the reader chooses.
@@ -25,9 +26,11 @@ FOREIGN = {
     "cmeel.prefix/share": "where the wheels of Pinocchio and example-robot-data put data",
     "BAG_recovered": "named after the bag",
     "figNN.png": "named after the figure",
+    "moveit_controllers.yaml": "MoveIt",
     "run.yaml": "a file of the reader",
     "law_0.py": "an attachment of a log",
     "SystemExit": "Python",
+    "control_msgs/action/FollowJointTrajectory": "ros2_control",
     "module:Class": "a law of the reader",
     "path/to/file.py:Class": "a law of the reader",
 }

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 pytest.importorskip("rclpy")
+from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from space_robot_bringup.experiment.experiment import load_experiment
@@ -52,6 +53,25 @@ def test_a_paused_run_takes_single_steps_and_ends_with_the_same_bits(tmp_path: P
         robot.recorder.finish("completed")
     truth = list(LogReader(tmp_path / "truth" / "run").messages())
     assert list(LogReader(tmp_path / "run").messages()) == truth
+
+
+def test_a_step_is_as_many_periods_as_the_parameter_says(tmp_path: Path) -> None:
+    """`step_count` is dynamic; what is no number of steps is refused, with the reason."""
+    with running_graph(tmp_path / "run", services=True) as robot:
+        assert pause(robot, True).success
+        stopped = robot.await_answer()
+
+        def count(value: int) -> Any:
+            return robot.simulator.set_parameters([Parameter("step_count", value=value)])[0]
+
+        assert count(7).successful
+        assert "7 steps granted" in trigger(robot, "step").message
+        robot.spin_until(lambda: robot.simulator.tick == stopped + 7, "seven steps")
+        robot.settle()
+        assert robot.simulator.tick == stopped + 7
+        refused = count(0)
+        assert not refused.successful
+        assert "1 to 100000" in refused.reason
 
 
 def test_step_is_refused_while_running(tmp_path: Path) -> None:

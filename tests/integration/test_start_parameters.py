@@ -139,7 +139,8 @@ def test_topics_can_be_remapped_and_their_quality_overridden(tmp_path: Path, sta
     ("arguments", "why"),
     [
         (["-p", "experiment:=nowhere"], "nowhere"),
-        (["-p", "gains.kapa:=1.0"], "controller.gains.kapa"),
+        (["-p", "gains.kapa:=1.0"], "parameter gains.kapa: unknown key"),
+        (["-p", "gains.lambda.joint:=1.0"], "parameter gains.lambda.joint"),
         (["-p", "law:=nothing"], "no such law"),
         (["-p", "realtime:=fast"], "parameter realtime"),
         (["-p", "colour:=red"], "colour"),
@@ -168,10 +169,10 @@ def test_the_command_line_counts_more_than_parameters() -> None:
 def test_values_keep_their_type_on_the_way_into_the_experiment() -> None:
     """Numbers, lists and truth values arrive as such, texts as YAML."""
     given = {"gains.lead": True, "initial.joints_deg": [1.0, 2.0], "title": "a: b", "gains.rho": "null"}
-    assert overrides_from(given) == [
+    assert list(overrides_from(given).values()) == [
         "controller.gains.lead=true",
         "initial.joints_deg=[1.0, 2.0]",
-        "title=a: b",
+        'title="a: b"',
         "controller.gains.rho=null",
     ]
     with pytest.raises(SpecError, match="no value"):

@@ -97,3 +97,15 @@ def test_a_joiner_without_parts_or_room_is_refused(parts, capacity):
     """A joiner without parts or room is a SpecError."""
     with pytest.raises(SpecError):
         StampJoiner(parts, capacity)
+
+
+def test_what_waits_for_later_stamps_may_give_way_once():
+    """The next item of that part and stamp takes its place, whatever ``choose`` says; other parts and stamps stay."""
+    joiner = StampJoiner(2, 8, choose=lambda index, there, new: there)
+    for stamp in (0, 1, 2):
+        joiner.add(0, stamp, f"old {stamp}")
+    joiner.let_give_way(0, 1)
+    joiner.add(0, 1, "new 1")
+    joiner.add(0, 2, "new 2")
+    joiner.add(0, 2, "newer 2")
+    assert [joiner.add(1, stamp, "x") for stamp in (0, 1, 2)] == [("old 0", "x"), ("old 1", "x"), ("new 2", "x")]

@@ -41,6 +41,8 @@ def test_values_survive_late_joiners():
 
 def test_states_and_commands_are_asked_for_as_ros_offers_them():
     """VOLATILE is enough; a simulator keeps a few states in lock-step, and none in a paced run, where they mislead."""
+    assert all(asked_of(topic).reliability == "reliable" for topic in TABLE)
+    assert all(asked_of(topic).durability == "transient_local" for topic in TABLE if topic.latched)
     volatile = {topic.name for topic in TABLE if asked_of(topic).durability == "volatile" and topic.kind != "tool"}
     assert {"base/odom", "joint_states", "base/imu", "plant/telemetry", "base/wrench_command"} <= volatile
     assert not {"reference/base", "accepted_command", "run_begin", "controller/telemetry"} & volatile

@@ -120,9 +120,9 @@ def test_every_node_starts_lists_its_parameters_and_stops(
 
 @pytest.mark.parametrize("executable", executables())
 def test_every_node_explains_itself(prefix: Path, tmp_path: Path, executable: str) -> None:
-    """``--help`` says what it takes."""
+    """``--help`` says what it takes, under the name of the executable."""
     said = _run(prefix, str(prefix / "lib" / executable), "--help", cwd=tmp_path).stdout
-    assert "usage:" in said
+    assert f"usage: {Path(executable).name} " in said
     assert ("bag" if executable == REPLAYER else "--experiment") in said
 
 

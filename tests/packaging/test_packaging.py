@@ -50,6 +50,8 @@ def test_the_wheel_is_an_ament_package_with_executables(wheel: zipfile.ZipFile) 
     assert {"space_robot_sim", "space_robot_control", "space_robot_bringup"} <= set(AMENT)
     for name in AMENT:
         assert f"{DATA}/share/ament_index/resource_index/packages/{name}" in held
+        described = ElementTree.fromstring(wheel.read(f"{DATA}/share/{name}/package.xml"))
+        assert (described.findtext("name"), described.findtext("version")) == (name, PROJECT["version"])
     assert f"{DATA}/{SHARE}/package.xml" in held
     assert {"space_robot_sim/simulator", "space_robot_control/adaptive_controller"} <= set(executables())
     for place in executables():

@@ -11,7 +11,8 @@ pytest.importorskip("rclpy")
 from rclpy.parameter import Parameter
 
 from space_robot_description.validation import parse_yaml_value
-from space_robot_msgs_py.nodes.parameters import MAX_CHARACTERS, from_ros, to_ros
+from space_robot_msgs_py.nodes.parameters import MAX_CHARACTERS, MAX_NUMBERS, from_ros, to_ros
+from space_robot_msgs_py.parameters import is_not_shown
 
 pytestmark = pytest.mark.ros
 
@@ -44,6 +45,9 @@ def test_arrays_are_plain_lists() -> None:
 
 
 def test_long_values_are_not_spelt_out() -> None:
-    """A recorded reference says how many numbers it has, a long text is cut."""
-    assert to_ros([0.0] * MAX_CHARACTERS) == f"{MAX_CHARACTERS} numbers"
-    assert len(to_ros({"key": "x" * 3 * MAX_CHARACTERS})) <= MAX_CHARACTERS + 3
+    """A recorded reference says how many numbers it has, a long text how it begins: neither is taken for a value."""
+    assert to_ros([0.0] * MAX_NUMBERS) == f"not shown: {MAX_NUMBERS} numbers"
+    for value in ([0.0] * MAX_NUMBERS, {"key": "x" * MAX_CHARACTERS}):
+        assert is_not_shown(to_ros(value))
+        assert len(to_ros(value)) < MAX_CHARACTERS
+    assert not is_not_shown(to_ros([0.0, 1.0]))

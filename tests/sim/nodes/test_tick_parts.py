@@ -197,3 +197,13 @@ def test_a_stamp_beyond_the_run_decides_nothing() -> None:
     parts = paced(100)
     parts.decide(101 * PERIOD)
     assert parts.decided == -1
+
+
+def test_references_of_a_run_before_give_way_where_guidance_begins_again() -> None:
+    """One that comes after the reset, for a later stamp, is of the run before: what follows stamp 0 counts."""
+    parts = TickParts(PERIOD, STEPS)
+    parts.begin_again()
+    assert parts.take(REFERENCE_BASE, PERIOD, b"old") is None
+    assert parts.take(REFERENCE_BASE, 0, b"new") is None
+    assert parts.take(REFERENCE_BASE, PERIOD, b"new") is None
+    assert "has another one" in str(parts.take(REFERENCE_BASE, PERIOD, b"a stranger's"))
