@@ -36,7 +36,7 @@ FLOOR = 1e-18
 
 
 def motion_plots(
-    arrays: LogArrays, joints: Sequence[str], robot: Robot | None, *, whole: bool = True
+    arrays: LogArrays, joints: Sequence[str], robot: Robot | None, *, whole: bool = True, desired: bool = True
 ) -> Iterator[Plot]:
     """Desired and actual values and their difference: the truth where the plant tells it, else the measurement.
 
@@ -46,11 +46,17 @@ def motion_plots(
         robot: None where it is not known.
         whole: every tick is there. Between ticks that are not, a robot may turn more than once: its angles then stay
             within a turn.
+        desired: it is known what was desired.
     """
     time, truth = arrays.time, arrays.plant.get("true_configuration", arrays.q)
     prismatic = np.array(robot.prismatic if robot else [False] * len(joints), dtype=bool)
     scale = np.where(prismatic, 1.0, np.degrees(1.0))
     unit = "m" if prismatic.all() and prismatic.size else "deg, m" if prismatic.any() else "deg"
+    if not desired:
+        yield Plot("Base attitude [deg]", lines(time, _attitude(truth, whole), RPY))
+        yield Plot("Base position [m]", lines(time, truth[:, :3], XYZ))
+        yield Plot(f"Joints [{unit}]", lines(time, truth[:, 7:] * scale, joints))
+        return
     errors = deviations(truth, arrays.q_d)
     turned = np.degrees(errors[:, 3:6])
     yield _followed("Base attitude [deg]", time, _attitude(truth, whole), _attitude(arrays.q_d, whole), RPY)
