@@ -28,10 +28,12 @@ PACKAGES = {
 SUPERVISOR = {"supervisor": "space_robot_supervisor"}
 # Instead of a table: that of the experiment.
 OWN = "own"
+# Instead of a law: a node of another project commands.
+EXTERNAL = "external"
 ALL_NODES = " ".join(PACKAGES)
 ARGUMENTS = {
     "experiment": (None, "shipped name or YAML file"),
-    "controller": ("", "law to run it with; default: the one of the experiment"),
+    "controller": ("", "law to run it with, or external: a node of yours; default: the experiment's"),
     "supervision": (
         "",
         "table for a supervisor: shipped name or file, or `own`: the experiment's; default: no such node",
@@ -68,6 +70,8 @@ def _nodes(context: LaunchContext) -> list[Node]:
     options = _options(chosen, recorded=recorded, overwrite=overwrite)
     roles = chosen["nodes"].split()
     packages = PACKAGES | SUPERVISOR
+    if chosen["controller"] == EXTERNAL and chosen["nodes"] == ALL_NODES:
+        roles.remove("controller")
     if chosen["supervision"] and chosen["nodes"] == ALL_NODES:
         roles.append("supervisor")
     if unknown := sorted(set(roles) - set(packages)):

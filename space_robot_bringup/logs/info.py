@@ -16,6 +16,7 @@ from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.conclusion import conclusion, passed
 from space_robot_bringup.judge.judging import judge_blocks
 from space_robot_bringup.judge.remarks import Remark
+from space_robot_bringup.logs.commander import external_nodes
 from space_robot_bringup.logs.happened import SEVERITIES, Witness
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
 from space_robot_bringup.logs.spans import NO_SPANS, Spans
@@ -73,6 +74,7 @@ class Verdict:
         remarks: what else happened, whatever was expected.
         spans: its modes and faults.
         events: how many there were of each severity, of those that there were, the gravest first.
+        commanders: nodes of other projects that commanded.
     """
 
     checks: tuple[Check, ...] = ()
@@ -80,6 +82,7 @@ class Verdict:
     remarks: tuple[Remark, ...] = ()
     spans: Spans = NO_SPANS
     events: Mapping[Severity, int] = field(default_factory=dict)
+    commanders: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool | None:
@@ -220,7 +223,10 @@ def _own(bag: Bag) -> tuple[dict[str, str], dict[str, str], str | None, Verdict]
     reason = None
     try:
         reason = reader.end_reason
-        return provenance, versions, reason, _verdict(reader, experiment, reason)
+        verdict = _verdict(reader, experiment, reason)
+        if verdict.commanders:
+            provenance["commanded by"] = ", ".join(verdict.commanders)
+        return provenance, versions, reason, verdict
     except SpaceRobotError as error:
         return provenance, versions, reason, Verdict(why_not=str(error))
 
@@ -262,4 +268,4 @@ def _verdict(reader: LogReader, experiment: Experiment, reason: str | None) -> V
     counts = Counter(event.severity for event in witness.events)
     events = {severity: counts[severity] for severity in reversed(SEVERITIES) if counts[severity]}
     spans = Spans.of(witness.events, experiment, found.metrics.simulated_time)
-    return Verdict(found.checks, "", found.remarks, spans, events)
+    return Verdict(found.checks, "", found.remarks, spans, events, external_nodes(witness.events))

@@ -49,10 +49,15 @@ class ReplayOptions:
 
     def sides(self, recording: Recording) -> tuple[str, ...]:
         """What is computed again of a run."""
+        external = recording.composition.experiment.controller.external
+        if external and self.against == "controller":
+            accepted = "--against plant, or --set controller.law=NAME"
+            raise SpecError("the run had none of its own", key="--against", value=self.against, accepted=accepted)
         if self.against != ALL:
             return (self.against,)
         watched = recording.composition.experiment.supervision is not None
-        return tuple(side for side in SIDES if side != "supervisor" or watched)
+        left_out = {"supervisor": not watched, "controller": external}
+        return tuple(side for side in SIDES if not left_out.get(side))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from typing import Any
 
 from space_robot_bringup.judge.conclusion import passed
 from space_robot_bringup.logs.assessed import JudgedLog
+from space_robot_bringup.logs.commander import law_said
 from space_robot_bringup.logs.foreign_bag import PLAIN, Source
 from space_robot_bringup.logs.foreign_log import COMMAND, REFERENCE, read_shown
 from space_robot_bringup.logs.spans import Spans
@@ -98,7 +99,8 @@ def _summary(judged: JudgedLog) -> str:
     what = f"{judged.ticks} ticks, {arrays.time[-1] - arrays.time[0]:g} s"
     if experiment is not None:
         robot = experiment.robot["name"] if isinstance(experiment.robot, dict) else experiment.robot
-        what = f"{robot} under {experiment.controller.law}: {what}, control period {experiment.control_period:g} s"
+        law = law_said(experiment.controller.law, judged.happened)
+        what = f"{robot} under {law}: {what}, control period {experiment.control_period:g} s"
     return f"{what}. Ended: {judged.end_reason or 'cut'}."
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from space_robot_bringup.logs.assessed import JudgedLog
+from space_robot_bringup.logs.commander import law_said
 from space_robot_bringup.logs.foreign_bag import PLAIN, Source
 from space_robot_bringup.logs.foreign_log import REFERENCE, read_shown
 from space_robot_description.visual import look_of
@@ -62,7 +63,7 @@ def _title(judged: JudgedLog) -> str:
 def _about(judged: JudgedLog) -> str:
     """A title and a line as HTML; what the log says in them is text, whatever it looks like."""
     experiment = judged.experiment
-    law = f"Law <code>{html(experiment.controller.law)}</code>. " if experiment else ""
+    law = f"Law <code>{html(law_said(experiment.controller.law, judged.happened))}</code>. " if experiment else ""
     title = f"<p><b>{html(experiment.title)}</b></p>" if experiment and experiment.title else ""
     verdict = f"{html(judged.conclusion[:1].upper() + judged.conclusion[1:])}. " if judged.checks else ""
     remarks = "".join(f"<p>{html(remark.line)}</p>" for remark in judged.remarks)
