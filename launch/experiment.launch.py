@@ -33,7 +33,7 @@ EXTERNAL = "external"
 ALL_NODES = " ".join(PACKAGES)
 ARGUMENTS = {
     "experiment": (None, "shipped name or YAML file"),
-    "controller": ("", "law to run it with, or external: a node of yours; default: the experiment's"),
+    "controller": ("", "law to run it with, or external: a custom node; default: the experiment's"),
     "supervision": (
         "",
         "table for a supervisor: shipped name or file, or `own`: the experiment's; default: no such node",

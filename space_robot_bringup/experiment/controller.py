@@ -33,7 +33,7 @@ class ControllerSpec(Strict):
     """The law and its gains; defaults live with the law."""
 
     law: str = Field(
-        default="computed_torque", description="name of a law, module:Class, or external: a node of yours commands"
+        default="computed_torque", description="name of a law, module:Class, or external: a custom node commands"
     )
     gains: dict[str, Any] = Field(default_factory=dict, description="the law's own gains, checked by the law")
     standby: dict[str, StandbySpec] = Field(default_factory=dict, description="name -> law that may take over")

@@ -50,7 +50,11 @@ def read_shown(path: StrPath, experiment: StrPath | None = None, source: Source 
     if experiment is None:
         try:
             LogReader(path)
-        except (InputFileError, LogError):
+        except (InputFileError, LogError) as error:
+            try:
+                Bag(Path(path))
+            except InputFileError:
+                raise error from None
             return read_foreign(path, None, source)
         return read_judged(path)
     return read_foreign(path, experiment, source)

@@ -14,6 +14,7 @@ from space_robot_description.rotations import to_rpy
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.arrays import LogArrays
+from space_robot_report.block_names import block_names
 from space_robot_report.pages.plots import Plot, Trace, lines
 
 RPY, XYZ = ("roll", "pitch", "yaw"), ("x", "y", "z")
@@ -103,12 +104,12 @@ def conservation_plots(arrays: LogArrays) -> Iterator[Plot]:
         yield Plot(title, lines(arrays.time, block, names), levels={"allowed": allowed}, log=True)
 
 
-def telemetry_plots(time: Vector, blocks: Mapping[str, Matrix]) -> Iterator[Plot]:
-    """Every block of telemetry under its own name."""
+def telemetry_plots(time: Vector, blocks: Mapping[str, Matrix], joints: Sequence[str] = ()) -> Iterator[Plot]:
+    """Every block of telemetry under its own name, its numbers under those of axes and joints; see ``block_names``."""
     for label, block in blocks.items():
         if label in SHOWN or not block.shape[1]:
             continue
-        names = [f"[{index}]" for index in range(block.shape[1])] if block.shape[1] > 1 else [""]
+        names = block_names(block.shape[1], joints)
         yield Plot(label, lines(time, block, names, legend=len(names) <= MAX_LEGEND))
 
 

@@ -159,9 +159,9 @@ def _sections(judged: JudgedLog, book: PlotBook) -> list[dict[str, Any]]:
             arrays, joints, robot, whole=judged.ticks == arrays.stamp.size, desired=REFERENCE not in judged.absent
         ),
         "Torques and wheels": () if COMMAND in judged.absent else effort_plots(arrays, joints, robot),
-        "What the law shows": telemetry_plots(arrays.time, arrays.controller),
+        "What the law shows": telemetry_plots(arrays.time, arrays.controller, joints),
         "Conservation": conservation_plots(arrays),
-        "What else the plant shows": telemetry_plots(arrays.time, arrays.plant),
+        "What else the plant shows": telemetry_plots(arrays.time, arrays.plant, joints),
     }
     drawn = [{"title": title, "plots": book.all(list(plots))} for title, plots in sections.items()]
     return [section for section in drawn if section["plots"]]

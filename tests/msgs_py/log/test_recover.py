@@ -13,6 +13,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 
+from space_robot_msgs_py.attitude import SOURCES
 from space_robot_msgs_py.codec.codecs import LOGGED
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.log.bag import Bag
@@ -25,6 +26,7 @@ from space_robot_msgs_py.log.writer import LogSink
 from tests.support import values
 
 COUNT = 150
+BY_TICK = (*LOGGED, *SOURCES)
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +107,7 @@ def test_damage_within_costs_one_chunk_and_is_counted(logs: dict[str, bytes], tm
     done = recover(put(tmp_path / "bad", bytes(data)), tmp_path / "good")
     ticks = bits(LogReader(done.path))
     assert set(map(str, ticks)) < set(map(str, WHOLE))
-    assert done.lost == {f"/{topic.name}": COUNT - len(ticks) for topic in LOGGED}
+    assert done.lost == {f"/{topic.name}": COUNT - len(ticks) for topic in BY_TICK}
     assert [lost.offset for lost in done.damage] == [chunks[1]]
     assert done.end_reason == "completed"
 
@@ -143,7 +145,7 @@ def test_recover_of_a_log_without_its_header_says_so(logs: dict[str, bytes], tmp
     data = logs["closed"].replace(b"seed: 7\nname: test", b"seed: 8\nname: test")
     done = recover(put(tmp_path / "bad", data), tmp_path / "good")
     assert "header" in done.complaint
-    assert sum(done.kept.values()) == 1 + COUNT * len(LOGGED)
+    assert sum(done.kept.values()) == 1 + COUNT * len(BY_TICK)
     with AnyReader([done.path.parent]) as bag:
         assert bag.message_count == sum(done.kept.values())
 
