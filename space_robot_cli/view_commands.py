@@ -73,6 +73,9 @@ def view(
     experiment: ExperimentOption = None,
     namespace: NamespaceOption = "",
     start: StartOption = "run",
+    rerun: Annotated[
+        Path | None, typer.Option("--rerun", metavar="FILE.rrd", help="write a recording for Rerun instead")
+    ] = None,
 ) -> None:
     """Show a log in the browser, until Ctrl-C.
 
@@ -81,6 +84,9 @@ def view(
     from space_robot_bringup.logs.foreign_bag import Source
 
     given = {"experiment": experiment, "source": Source(namespace, start)}
+    if rerun is not None:
+        _write_rerun(log, rerun, meshes or (), **given)
+        return
     show_log(log, port=port, open_browser=not no_browser, meshes=meshes or (), **given)
 
 
@@ -123,6 +129,17 @@ def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path]
             on_ready=_announce,
             stop=lambda: stop.reason,
         )
+
+
+def _write_rerun(log: Path, target: Path, meshes: Sequence[Path], **bag: Any) -> None:
+    try:
+        from space_robot_bringup.logs.foreign_log import read_shown
+        from space_robot_report.rerun_recording import write_rerun
+    except ImportError as error:
+        raise SpecError(f"--rerun needs the Rerun SDK ({error})", accepted=install("rerun")) from None
+    for trouble in write_rerun(read_shown(log, **bag), target, meshes):
+        err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
+    out.print(f"recording: {target} (rerun {target} shows it)", markup=False, soft_wrap=True)
 
 
 def _announce(address: str) -> None:

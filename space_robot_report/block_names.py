@@ -12,8 +12,8 @@ POSE = (*AXES, "qx", "qy", "qz", "qw")
 def block_names(size: int, joints: Sequence[str]) -> tuple[str, ...]:
     """Names of the numbers of a block.
 
-    As many numbers as joints are of the joints, three of the axes, six of a force and a torque or of a twist, and so on.
-    Where a size may mean two things, and where it means nothing, the numbers are counted.
+    As many numbers as joints are of the joints, three of the axes, six of a force and a torque or of a twist. Where a
+    size may mean two things, and where it means nothing, the numbers are counted.
 
     Args:
         size: of the block.
