@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -20,8 +20,10 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.logs.assessed import read_judged
 from space_robot_bringup.logs.info import bag_info
 from space_robot_bringup.modes.run import Mode, judge_log, run_experiment
+from space_robot_msgs_py.codec.generic import parse
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.topics import ATTITUDE
 from space_robot_report.pages.log_report import log_page
 from tests.support.harness import running_graph
 from tests.support.replays import replayed
@@ -41,6 +43,7 @@ class Stranger(Node):  # type: ignore[misc]
     def __init__(self, **options: Any) -> None:
         super().__init__("third_party_controller", **options)
         self.parts: dict[int, dict[str, Any]] = {}
+        self.angles: dict[int, tuple[float, float, float]] = {}
         self.wrench = self.create_publisher(WrenchStamped, "base/wrench_command", QOS)
         self.effort = self.create_publisher(JointState, "joint_command", QOS)
         for name, kind in {
@@ -50,6 +53,13 @@ class Stranger(Node):  # type: ignore[misc]
             "reference/joints": JointTrajectory,
         }.items():
             self.create_subscription(kind, name, lambda message, name=name: self.take(name, message), QOS)
+
+        self.create_subscription(Vector3Stamped, "base/attitude_rpy_deg", self.plot, 10)
+
+    def plot(self, message: Any) -> None:
+        """Keep the attitude in degrees, as a tool does that plots it."""
+        stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+        self.angles[stamp] = (message.vector.x, message.vector.y, message.vector.z)
 
     def take(self, name: str, message: Any) -> None:
         """Answer a stamp once all four of its messages are there."""
@@ -74,6 +84,16 @@ class Stranger(Node):  # type: ignore[misc]
         command = JointState(name=joints.name, effort=effort.tolist())
         command.header.stamp = odom.header.stamp
         self.effort.publish(command)
+
+
+def angles_in(run: Path) -> dict[int, tuple[float, float, float]]:
+    """Stamp [ns] to roll, pitch and yaw [deg] of a log."""
+    found = {}
+    for name, stamp, raw in LogReader(run).messages():
+        if name == ATTITUDE.name:
+            vector = parse(ATTITUDE.type, raw).vector
+            found[stamp] = (vector.x, vector.y, vector.z)
+    return found
 
 
 def vector_part(actual: Any, desired: Any) -> Any:
@@ -106,6 +126,9 @@ def test_a_third_party_node_controls_the_robot(tmp_path: Path) -> None:
         assert axis.final_error < 0.5, f"{axis.name} is off by {axis.final_error} deg"
     topics = {name for name, _, _ in LogReader(tmp_path / "run").messages()}
     assert "controller/telemetry" not in topics
+    # What it plotted live is what the log has.
+    assert stranger.angles.items() <= angles_in(tmp_path / "run").items()
+    assert len(stranger.angles) > 100
     assert bag_info(tmp_path / "run").provenance["commanded by"] == "/third_party_controller"
     assert "under external (/third_party_controller)" in log_page(read_judged(tmp_path / "run"))
     # There is no law to be compared with; the plant is.
