@@ -55,39 +55,32 @@ def read_shown(path: StrPath, experiment: StrPath | None = None, source: Source 
                 Bag(Path(path))
             except InputFileError:
                 raise error from None
-            return read_foreign(path, None, source)
+            return read_foreign(path, None, source, f" ({error.message})")
         return read_judged(path)
     return read_foreign(path, experiment, source)
 
 
-def read_foreign(path: StrPath, experiment: StrPath | None = None, source: Source = PLAIN) -> JudgedLog:
+def read_foreign(path: StrPath, experiment: StrPath | None = None, source: Source = PLAIN, why: str = "") -> JudgedLog:
     """What a bag of another tool shows; see ``read_shown``.
 
-    Joints that come at other times than the base stand as they were last; so do references and commands.
+    Joints that come at other times than the base stand as they were last; so do references and commands. ``why`` it is
+    read so is said with it.
     """
     bag = Bag(Path(path))
     composition = compose_logged(load_experiment(experiment)) if experiment is not None else None
-    _, urdf = names_and_urdf(bag, source)
-    urdf = urdf or (composition.nominal.urdf if composition is not None else "")
-    if not urdf:
-        accepted = f"a message on {source.name(ROBOT_DESCRIPTION)}, or --experiment FILE"
-        raise LogError("no robot in it", key=str(path), accepted=accepted)
-    joints = composition.joint_names if composition is not None else _joints(urdf)
+    urdf, joints = _robot(bag, composition, source)
     found, remarks = foreign_rows(bag, joints, source)
     filled = _Filled(joints, composition)
-    witness, thinner = Witness(filled.rows(found)), Thinner()
-    unfit: list[str] = []
-    for block in BlockStacker(joints, str(path)).blocks(witness.rows()):
-        unfit += [f"tick at {stamp / NANOSECONDS:g} s left out: {error}" for stamp, error in block.unfit]
-        if block.arrays is not None:
-            thinner.add(block.arrays)
+    witness = Witness(filled.rows(found))
+    thinner, unfit = _thinned(witness.rows(), joints, str(path))
     arrays = thinner.arrays()
     if arrays is None:
-        why = unfit or remarks or [f"no stamp with {BASE_ODOM.name} and {JOINT_STATES.name}"]
-        raise LogError(f"no state can be shown: {why[0]}", key=str(path), accepted=f"a joint state of {joints}")
+        reason = [*unfit, *remarks, f"no stamp with {BASE_ODOM.name} and {JOINT_STATES.name}"][0]
+        raise LogError(f"no state can be shown: {reason}", key=str(path), accepted=f"a joint state of {joints}")
+    said = [*remarks, *unfit[:3], *_more(unfit[3:]), *filled.remarks()]
     return JudgedLog(
         path=Path(path),
-        header=LogHeader("", urdf, 0, tuple(joints)),
+        header=LogHeader("", urdf, 0, joints),
         mode="",
         end_reason=ENDED,
         ticks=thinner.ticks,
@@ -99,9 +92,29 @@ def read_foreign(path: StrPath, experiment: StrPath | None = None, source: Sourc
         remarks=(),
         events=(),
         happened=tuple(witness.events),
-        troubles=("no verdict: a bag of another tool", *remarks, *unfit[:3], *_more(unfit[3:]), *filled.remarks()),
+        troubles=(f"no verdict: a bag of another tool{why}", *said),
         absent=filled.absent(),
     )
+
+
+def _robot(bag: Bag, composition: Composition | None, source: Source) -> tuple[str, tuple[str, ...]]:
+    """The URDF of a bag and its joints in model order, of the bag or of the experiment that was given."""
+    _, urdf = names_and_urdf(bag, source)
+    urdf = urdf or (composition.nominal.urdf if composition is not None else "")
+    if not urdf:
+        accepted = f"a message on {source.name(ROBOT_DESCRIPTION)}, or --experiment FILE"
+        raise LogError("no robot in it", key=str(bag.path), accepted=accepted)
+    return urdf, composition.joint_names if composition is not None else _joints(urdf)
+
+
+def _thinned(rows: Iterator[Row], joints: Sequence[str], key: str) -> tuple[Thinner, list[str]]:
+    """The ticks that fit the robot, and why others do not, a line each."""
+    thinner, unfit = Thinner(), list[str]()
+    for block in BlockStacker(joints, key).blocks(rows):
+        unfit += [f"tick at {stamp / NANOSECONDS:g} s left out: {error}" for stamp, error in block.unfit]
+        if block.arrays is not None:
+            thinner.add(block.arrays)
+    return thinner, unfit
 
 
 def _joints(urdf: str) -> tuple[str, ...]:
