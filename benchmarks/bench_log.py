@@ -10,6 +10,7 @@ from time import perf_counter
 
 import numpy as np
 
+from space_robot_msgs_py.attitude import SOURCES, AttitudeAngles
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec, TopicBytes, peek_stamp
 from space_robot_msgs_py.codec.generic import canonical_message
 from space_robot_msgs_py.interfaces import Command, ControlOutput, PlantSample, Reference, RobotState, Telemetry, Tick
@@ -17,6 +18,7 @@ from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.writer import LogSink
+from space_robot_msgs_py.topics import ATTITUDE
 from space_robot_msgs_py.transforms import FrameTransforms
 
 JOINTS = 7
@@ -25,8 +27,8 @@ PERIOD = 100_000_000
 REPEATS = 5
 NAMES = tuple(f"joint{index + 1}" for index in range(JOINTS))
 PER_TICK = sum(not topic.sporadic for topic in LOGGED)
-# In the log a tick has its transforms, too.
-IN_LOG = PER_TICK + 1
+# In the log a tick has its transforms and its angles, too.
+IN_LOG = PER_TICK + 1 + len(SOURCES)
 
 
 def run() -> dict[str, float]:
@@ -38,7 +40,7 @@ def run() -> dict[str, float]:
 def _codecs(tick: Tick) -> dict[str, float]:
     codec, canonical = TickCodec(NAMES), TopicBytes(NAMES)
     raws = codec.encode(tick)
-    frames = FrameTransforms(_urdf(), NAMES)
+    frames, angles = FrameTransforms(_urdf(), NAMES), AttitudeAngles(ATTITUDE)
     pairs = [(topic, raw) for topic, raw in zip(LOGGED, raws, strict=True) if raw is not None]
     parts = {topic.name: raw for topic, raw in pairs}
     state = codec.state.encode(tick.sample.state)
@@ -50,6 +52,7 @@ def _codecs(tick: Tick) -> dict[str, float]:
         "decode a state (3 messages), us": _us(lambda: codec.state.decode(state)),
         "decode a command (2 messages), us": _us(lambda: codec.command.decode(command)),
         "transforms of a state, us": _us(lambda: frames.from_messages(*state[:2])),
+        "angles of a state, us": _us(lambda: angles.of(state[0])),
         "peek at a stamp, us": _us(lambda: peek_stamp(state[0])),
         "canonical form by layout, us/message": _us(lambda: [canonical.read(*pair) for pair in pairs]) / PER_TICK,
         "canonical form by rosbags, us/message": _us(

@@ -32,10 +32,12 @@ SUPERVISOR = {"supervisor": "space_robot_supervisor"}
 EFFORTS = {"effort_controller": "space_robot_control"}
 # Instead of a table: that of the experiment.
 OWN = "own"
+# Instead of a law: a node of another project commands.
+EXTERNAL = "external"
 ALL_NODES = " ".join(PACKAGES)
 ARGUMENTS = {
     "experiment": (None, "shipped name or YAML file"),
-    "controller": ("", "law to run it with; default: the one of the experiment"),
+    "controller": ("", "law to run it with, or external: a custom node; default: the experiment's"),
     "supervision": (
         "",
         "table for a supervisor: shipped name or file, or `own`: the experiment's; default: no such node",
@@ -76,6 +78,8 @@ def _nodes(context: LaunchContext) -> list[Node]:
     options = _options(chosen, overrides, recorded=recorded, overwrite=overwrite)
     roles = chosen["nodes"].split()
     packages = PACKAGES | SUPERVISOR | EFFORTS
+    if chosen["controller"] == EXTERNAL and chosen["nodes"] == ALL_NODES:
+        roles.remove("controller")
     if chosen["supervision"] and chosen["nodes"] == ALL_NODES:
         roles.append("supervisor")
     if unknown := sorted(set(roles) - set(packages)):

@@ -26,6 +26,8 @@ ARGUMENTS = {
     "as": ("state", "what to publish, state: what a controller hears; all: commands too"),
     "paused": ("false", "begin paused: ~/step, ~/pause"),
     "loop": ("false", "begin again after the last tick"),
+    "bag_namespace": ("", "in front of the topics in a bag of another tool"),
+    "start": ("run", "what stamps in such a bag count from: run, or first, its first state"),
     "experiment": ("", "of a controller that answers, shipped name or YAML file; default: none is started"),
     "controller": ("", "its law; default: the one of the experiment"),
     "namespace": ("", "of all nodes and topics"),
@@ -46,9 +48,10 @@ def generate_launch_description() -> LaunchDescription:
 def _nodes(context: LaunchContext) -> list[Node]:
     chosen = context.launch_configurations
     refuse_unknown_arguments(Path(__file__).name, ARGUMENTS, context.argv or (), sys.argv)
-    options = [chosen["bag"], "--as", chosen["as"]]
-    if chosen["rate"]:
-        options += ["--rate", chosen["rate"]]
+    options = [chosen["bag"], "--as", chosen["as"], "--start", chosen["start"]]
+    for name, option in (("rate", "--rate"), ("bag_namespace", "--namespace")):
+        if chosen[name]:
+            options += [option, chosen[name]]
     for flag in ("paused", "loop"):
         if evaluate_condition_expression(context, [TextSubstitution(text=chosen[flag])]):
             options.append(f"--{flag}")

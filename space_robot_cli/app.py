@@ -54,6 +54,11 @@ JunitOption = Annotated[
         "--junit", metavar="FILE", help="also write JUnit XML, a test case per expectation, run or comparison"
     ),
 ]
+NamespaceOption = Annotated[str, typer.Option(help="in front of the topics of a bag of another tool")]
+StartOption = Annotated[
+    str,
+    typer.Option(help="what stamps in a bag of another tool count from: run, or first, its first state (since 1970)"),
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="print one JSON object on stdout and nothing else there")]
 
 

@@ -10,11 +10,24 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from space_robot_cli.app import FAILED, AllowCodeOption, JsonOption, JunitOption, LawOption, SetOption, app, err, out
+from space_robot_cli.app import (
+    FAILED,
+    AllowCodeOption,
+    JsonOption,
+    JunitOption,
+    LawOption,
+    NamespaceOption,
+    SetOption,
+    StartOption,
+    app,
+    err,
+    out,
+)
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.extras import install
 
 if TYPE_CHECKING:
+    from space_robot_bringup.logs.foreign_bag import Source
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.publish import PublishOptions
     from space_robot_supervisor.table import Severity
@@ -39,7 +52,8 @@ def replay(
     experiment: Annotated[
         str | None, typer.Option(help="for bags of another tool: shipped name or YAML file of what was run")
     ] = None,
-    namespace: Annotated[str, typer.Option(help="in front of the topics of a bag of another tool")] = "",
+    namespace: NamespaceOption = "",
+    start: StartOption = "run",
     update_refs: Annotated[
         bool, typer.Option("--update-refs", help="say what is different, then run again and replace the bag")
     ] = False,
@@ -66,6 +80,7 @@ def replay(
 
     Or publish it to a node of your own, with --publish.
     """
+    from space_robot_bringup.logs.foreign_bag import Source
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.golden import update_reference
     from space_robot_bringup.replay.publish import PublishOptions
@@ -81,11 +96,14 @@ def replay(
         if as_json or junit or set_ or experiment or update_refs or law or allow_code or against != "both":
             key = "--against, --set, --experiment, --update-refs, --law, --allow-code, --junit, --json"
             raise SpecError("means nothing to --publish", key=key, accepted="--publish without it")
-        _publish(bags, PublishOptions(role, tuple(topics or ()), rate, paused, loop, namespace), tolerance)
+        _publish(
+            bags, PublishOptions(role, tuple(topics or ()), rate, paused, loop), tolerance, Source(namespace, start)
+        )
         return
     if rate is not None or paused or loop or topics or role != "state":
         raise SpecError("is for --publish", key="--rate, --paused, --loop, --topics, --as", accepted="with --publish")
-    options = ReplayOptions(against, tolerance, set_ or (), experiment, namespace, Code(tuple(law or ()), allow_code))
+    code, source = Code(tuple(law or ()), allow_code), Source(namespace, start)
+    options = ReplayOptions(against, tolerance, set_ or (), experiment, source, code)
     done = []
     for bag in bags:
         one = replay(bag, options, lambda line: None if as_json else err.print(line))
@@ -103,7 +121,7 @@ def replay(
         raise typer.Exit(FAILED)
 
 
-def _publish(bags: list[Path], options: PublishOptions, tolerance: Tolerance) -> None:
+def _publish(bags: list[Path], options: PublishOptions, tolerance: Tolerance, source: Source) -> None:
     """Let a node on the graph answer one bag; the end of what it answered decides the exit code."""
     from space_robot_bringup.modes.signals import StopFlag
     from space_robot_bringup.replay.publish import Answers, open_broadcast
@@ -116,7 +134,7 @@ def _publish(bags: list[Path], options: PublishOptions, tolerance: Tolerance) ->
     except ImportError as error:
         accepted = f"a sourced Jazzy, or {install('ros')}"
         raise SpecError(f"needs ROS 2 Jazzy ({error})", key="--publish", accepted=accepted) from None
-    broadcast = open_broadcast(bags[0], options.namespace)
+    broadcast = open_broadcast(bags[0], source)
     answers = Answers(broadcast, tolerance)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         reason = replayer.publish(broadcast, options, answers, lambda: stop.reason)

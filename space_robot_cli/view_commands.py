@@ -6,11 +6,11 @@ import os
 import signal
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from space_robot_cli.app import app, err, out
+from space_robot_cli.app import NamespaceOption, StartOption, app, err, out
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.extras import install
 
@@ -18,6 +18,9 @@ PortOption = Annotated[int, typer.Option(help="of the viewer; the next free one 
 NoBrowserOption = Annotated[bool, typer.Option("--no-browser", help="only print the address")]
 
 
+ExperimentOption = Annotated[
+    str | None, typer.Option(help="for bags of another tool: shipped name or YAML file of what the bag lacks")
+]
 MeshesOption = Annotated[
     list[Path] | None,
     typer.Option("--meshes", metavar="DIR", help="draw meshes of the log's robot in this folder, too; may repeat"),
@@ -26,9 +29,12 @@ MeshesOption = Annotated[
 
 @app.command()
 def report(
-    place: Annotated[Path, typer.Argument(help="run directory, .mcap file, or directory of a campaign")],
+    place: Annotated[Path, typer.Argument(help="run directory, bag of any tool, or directory of a campaign")],
     page: Annotated[Path | None, typer.Option("--out", "-o", help="the page; default: beside it, NAME.html")] = None,
     meshes: MeshesOption = None,
+    experiment: ExperimentOption = None,
+    namespace: NamespaceOption = "",
+    start: StartOption = "run",
 ) -> None:
     """Write a page of a run or campaign: verdict, plots, 3-D.
 
@@ -47,27 +53,41 @@ def report(
             done = write_campaign_report(place, target)
             out.print(f"page: {target} ({done} cases)", markup=False, soft_wrap=True)
             return
+        from space_robot_bringup.logs.foreign_bag import Source
         from space_robot_report.pages.log_report import write_log_report
     except ImportError as error:
         accepted = install("viz,campaign")
         raise SpecError(f"report needs plotly and more ({error})", accepted=accepted) from None
-    for trouble in write_log_report(place, target, meshes or ()).troubles:
+    source = Source(namespace, start)
+    for trouble in write_log_report(place, target, meshes or (), experiment=experiment, source=source).troubles:
         err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
     out.print(f"page: {target}", markup=False, soft_wrap=True)
 
 
 @app.command()
 def view(
-    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    log: Annotated[Path, typer.Argument(help="run directory, or bag of any tool")],
     port: PortOption = 8080,
     no_browser: NoBrowserOption = False,
     meshes: MeshesOption = None,
+    experiment: ExperimentOption = None,
+    namespace: NamespaceOption = "",
+    start: StartOption = "run",
+    rerun: Annotated[
+        Path | None, typer.Option("--rerun", metavar="FILE.rrd", help="write a recording for Rerun instead")
+    ] = None,
 ) -> None:
     """Show a log in the browser, until Ctrl-C.
 
     The robot, what was desired, torques, the way of the tool.
     """
-    show_log(log, port=port, open_browser=not no_browser, meshes=meshes or ())
+    from space_robot_bringup.logs.foreign_bag import Source
+
+    given = {"experiment": experiment, "source": Source(namespace, start)}
+    if rerun is not None:
+        _write_rerun(log, rerun, meshes or (), **given)
+        return
+    show_log(log, port=port, open_browser=not no_browser, meshes=meshes or (), **given)
 
 
 @app.command()
@@ -85,8 +105,8 @@ def plot(
     out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
 
-def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path] = ()) -> None:
-    """Serve a log until Ctrl-C.
+def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path] = (), **bag: Any) -> None:
+    """Serve a log until Ctrl-C; ``bag``: see ``load_show``.
 
     Raises:
         SpecError: viser is not installed.
@@ -98,7 +118,7 @@ def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path]
         from space_robot_report.viewer.serve import serve
     except ImportError as error:
         raise SpecError(f"view needs viser ({error})", accepted=install("view")) from None
-    show, troubles = load_show(log, meshes)
+    show, troubles = load_show(log, meshes, **bag)
     for trouble in troubles:
         err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
@@ -109,6 +129,17 @@ def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path]
             on_ready=_announce,
             stop=lambda: stop.reason,
         )
+
+
+def _write_rerun(log: Path, target: Path, meshes: Sequence[Path], **bag: Any) -> None:
+    try:
+        from space_robot_bringup.logs.foreign_log import read_shown
+        from space_robot_report.rerun_recording import write_rerun
+    except ImportError as error:
+        raise SpecError(f"--rerun needs the Rerun SDK ({error})", accepted=install("rerun")) from None
+    for trouble in write_rerun(read_shown(log, **bag), target, meshes):
+        err.print(f"warning: {trouble}", style="yellow", markup=False, soft_wrap=True)
+    out.print(f"recording: {target} (rerun {target} shows it)", markup=False, soft_wrap=True)
 
 
 def _announce(address: str) -> None:

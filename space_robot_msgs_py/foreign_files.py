@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import zstandard
 
@@ -39,23 +39,42 @@ def check_before_reading(place: Path) -> None:
             _check_unpacked(file)
 
 
-def unpacker(reader: Any) -> Callable[[bytes], bytes]:
-    """What makes a message of what a reader of rosbags gives.
+class ForeignMessage(NamedTuple):
+    """One message that rosbags read: topic, type, encoding, time of the recording [ns], bytes."""
 
-    rosbags unpacks messages that rosbag2 compressed one by one to whatever size they say; here it takes them as
-    not compressed, and they are unpacked up to a limit.
+    topic: str
+    type: str
+    encoding: str
+    time: int
+    data: bytes
+
+
+def foreign_messages(place: Path) -> Iterator[ForeignMessage]:
+    """Every message of a bag that rosbags can read, file by file.
+
+    The files are asked themselves: where ``metadata.yaml`` says something else of a topic than its file does, such as
+    another quality of service, rosbags leaves out the messages. And it unpacks messages that rosbag2 compressed one by
+    one to whatever size they say; here they are unpacked up to a limit.
 
     Args:
-        reader: an open AnyReader.
+        place: a bag directory or one of its files, see ``check_before_reading``.
+
+    Raises:
+        Exception: of many kinds, whatever a corrupted bag makes rosbags, SQLite and the decompressors raise.
     """
-    packed = False
-    for one in reader.readers:
-        storage: Any = getattr(one, "storage", None)
-        metadata: Any = getattr(storage, "metadata", None)
-        if getattr(metadata, "compression_mode", None) == "message":
-            storage.metadata = metadata._replace(compression_mode=None)
-            packed = True
-    return _unpack if packed else lambda raw: raw
+    from rosbags.rosbag2 import Reader
+
+    with Reader(place) as reader:
+        whole: Any = reader.storage
+        unpack = _unpack if reader.compression_mode == "message" else _same
+        for storage in getattr(whole, "storages", None) or [whole]:
+            for connection, time, raw in storage.messages(list(storage.connections)):
+                encoding = connection.ext.serialization_format
+                yield ForeignMessage(connection.topic, connection.msgtype, encoding, time, unpack(bytes(raw)))
+
+
+def _same(raw: bytes) -> bytes:
+    return raw
 
 
 def _unpack(packed: bytes) -> bytes:

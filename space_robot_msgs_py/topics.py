@@ -221,6 +221,22 @@ TF_STATIC = Topic(
     latched=True,
     derived=True,
 )
+ATTITUDE = Topic(
+    "base/attitude_rpy_deg",
+    "geometry_msgs/msg/Vector3Stamped",
+    "tool",
+    "simulator",
+    "measured roll, pitch and yaw of the base in `inertial` [deg], for plots; live only where something listens",
+    derived=True,
+)
+REFERENCE_ATTITUDE = Topic(
+    "reference/attitude_rpy_deg",
+    "geometry_msgs/msg/Vector3Stamped",
+    "tool",
+    "guidance",
+    "desired roll, pitch and yaw of the base in `inertial` [deg], for plots; live only where something listens",
+    derived=True,
+)
 RUN_BEGIN = Topic(
     "run_begin",
     "std_msgs/msg/String",
@@ -298,6 +314,8 @@ TABLE: tuple[Topic, ...] = (
     PLANT_TELEMETRY,
     TF,
     TF_STATIC,
+    ATTITUDE,
+    REFERENCE_ATTITUDE,
     RUN_BEGIN,
     RUN_END,
     RECORDER_CREDIT,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, inf, sin
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -55,7 +55,7 @@ def _joint(element: ET.Element) -> FrameJoint:
         parent=parent,
         child=child,
         translation=_numbers(_attribute(element, "origin", "xyz", "0 0 0")),
-        rotation=_from_rpy(_numbers(_attribute(element, "origin", "rpy", "0 0 0"))),
+        rotation=_rotation(element),
         axis=axis / (float(np.linalg.norm(axis)) or 1.0),
         prismatic=element.get("type") == "prismatic",
     )
@@ -66,11 +66,23 @@ def _attribute(element: ET.Element, tag: str, attribute: str, default: str) -> s
     return default if found is None else found.get(attribute, default)
 
 
-def _numbers(text: str) -> Vector:
+def _numbers(text: str, count: int = 3) -> Vector:
     values = np.array([float(part) for part in text.split()])
-    if values.shape != (3,) or not np.isfinite(values).all():
+    if values.shape != (count,) or not np.isfinite(values).all():
         raise ValueError(text)
     return values
+
+
+def _rotation(element: ET.Element) -> Vector:
+    """The quaternion (x, y, z, w) of an origin: as it is in URDF 1.1, or of its angles."""
+    text = _attribute(element, "origin", "quat_xyzw", "")
+    if not text:
+        return _from_rpy(_numbers(_attribute(element, "origin", "rpy", "0 0 0")))
+    quaternion = _numbers(text, 4)
+    length = float(np.linalg.norm(quaternion))
+    if not 0.0 < length < inf:
+        raise ValueError(text)
+    return quaternion / length
 
 
 def _from_rpy(rpy: Vector) -> Vector:

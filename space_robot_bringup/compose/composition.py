@@ -179,7 +179,11 @@ class Composition:
 
     def review(self) -> Review:
         """What the law says about this run before it, see ``Law.review``, and whether it knows when commands act."""
+        from space_robot_control.laws.base import Review
+
         source, experiment = self.reference(), self.experiment
+        if experiment.controller.external:
+            return Review()
         still = np.zeros(self._v0.size)
         stride = max(1, experiment.steps // PATH_POINTS)
         stamps = [tick * experiment.period for tick in range(0, experiment.steps + 1, stride)]
@@ -200,7 +204,10 @@ def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
         SpaceRobotError: a part refuses its input; the message names the key.
     """
     composition = compose_world(experiment, policy)
-    composition.supervisor(composition.controller())
+    if experiment.controller.external and experiment.supervision is not None:
+        raise SpecError("needs a law of this project", key="supervision", accepted="a run without it")
+    if not experiment.controller.external:
+        composition.supervisor(composition.controller())
     return composition
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from space_robot_bringup.experiment.controller import ControllerSpec
+from space_robot_bringup.experiment.controller import ControllerSpec, check_made_here
 from space_robot_bringup.experiment.timebase import to_nanoseconds
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.policy import TYPED, LawPolicy
@@ -25,6 +25,7 @@ def make_controller(spec: ControllerSpec, robot: Robot, control_period: float, p
     Raises:
         SpecError: a law, a gain or the period cannot be used.
     """
+    check_made_here(spec)
     laws = {
         name: make_law(policy.law(name, one.law), robot, control_period, one.gains, _key(name, i), policy)
         for i, (name, one) in enumerate(spec.laws.items())
@@ -37,6 +38,8 @@ def make_controller(spec: ControllerSpec, robot: Robot, control_period: float, p
 
 def law_sources(spec: ControllerSpec, policy: LawPolicy = TYPED) -> dict[str, LawSource]:
     """Name in the experiment to the source of every custom law; see ``make_controller``."""
+    if spec.external:
+        return {}
     classes = {
         name: law_class(policy.law(name, one.law), f"{_key(name, i)}.law", policy)
         for i, (name, one) in enumerate(spec.laws.items())

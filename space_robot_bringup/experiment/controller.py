@@ -11,6 +11,9 @@ from space_robot_description.spec import Strict
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
 
+# In place of the name of a law: a node of another project commands, and no controller is made here.
+EXTERNAL = "external"
+
 
 class StandbySpec(Strict):
     """A law that may take over, under a name of its own."""
@@ -29,7 +32,9 @@ class SwitchSpec(Strict):
 class ControllerSpec(Strict):
     """The law and its gains; defaults live with the law."""
 
-    law: str = Field(default="computed_torque", description="name of a law, or module:Class")
+    law: str = Field(
+        default="computed_torque", description="name of a law, module:Class, or external: a custom node commands"
+    )
     gains: dict[str, Any] = Field(default_factory=dict, description="the law's own gains, checked by the law")
     standby: dict[str, StandbySpec] = Field(default_factory=dict, description="name -> law that may take over")
     switches: tuple[SwitchSpec, ...] = Field(default=(), description="when another law takes over, in order of time")
@@ -38,9 +43,14 @@ class ControllerSpec(Strict):
     )
 
     @property
+    def external(self) -> bool:
+        """A node of another project commands."""
+        return self.law == EXTERNAL
+
+    @property
     def law_names(self) -> tuple[str, ...]:
         """What every law is called where laws come from."""
-        return tuple(one.law for one in self.laws.values())
+        return () if self.external else tuple(one.law for one in self.laws.values())
 
     @property
     def laws_by_name(self) -> dict[str, str]:
@@ -60,8 +70,12 @@ def check_controller(spec: ControllerSpec, control_period: float) -> None:
     """Refuse switches that cannot be done.
 
     Raises:
-        SpecError: a name twice or not there, or times that are no ticks or not in order.
+        SpecError: a name twice or not there, times that are no ticks or not in order, or anything of a law where there
+            is none.
     """
+    if spec.external and (spec.gains or spec.standby or spec.switches):
+        value = next(name for name in ("gains", "standby", "switches") if getattr(spec, name))
+        raise SpecError("an external controller has none", key=f"controller.{value}", accepted="controller.law alone")
     if spec.law in spec.standby:
         raise SpecError("is the law that starts", key=f"controller.standby.{spec.law}", accepted="another name")
     last = 0
@@ -73,3 +87,14 @@ def check_controller(spec: ControllerSpec, control_period: float) -> None:
         if steps_of(switch.time, control_period, f"{key}.time") <= last:
             raise SpecError("not after the switch before", key=f"{key}.time", value=switch.time)
         last = steps_of(switch.time, control_period, f"{key}.time")
+
+
+def check_made_here(spec: ControllerSpec) -> None:
+    """Refuse to make the controller of a run that a node of another project commands.
+
+    Raises:
+        SpecError: it is such a run.
+    """
+    if spec.external:
+        accepted = "the name of a law; or, with a node of your own, ros2 launch ... controller:=external"
+        raise SpecError("has no controller here", key="controller.law", value=spec.law, accepted=accepted)

@@ -47,6 +47,8 @@ class JudgedLog:
         events: what was changed in the run, in order; the first 10,000.
         happened: what was changed and what happened, in order; the first 10,000.
         troubles: what is wrong with the log, a line each; empty for a whole one.
+        absent: ``reference`` and ``command`` where a bag of another tool has none; the reference is then the state, the
+            command zero.
     """
 
     path: Path
@@ -63,6 +65,7 @@ class JudgedLog:
     events: tuple[ControllerEvent, ...]
     happened: tuple[Happened, ...]
     troubles: tuple[str, ...]
+    absent: frozenset[str] = frozenset()
 
     @property
     def conclusion(self) -> str:

@@ -16,6 +16,7 @@ from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.conclusion import conclusion, passed
 from space_robot_bringup.judge.judging import judge_blocks
 from space_robot_bringup.judge.remarks import Remark
+from space_robot_bringup.logs.commander import external_nodes
 from space_robot_bringup.logs.happened import SEVERITIES, Witness
 from space_robot_bringup.logs.logged import compose_logged, logged_experiment
 from space_robot_bringup.logs.spans import NO_SPANS, Spans
@@ -23,7 +24,7 @@ from space_robot_description.load import load_robot
 from space_robot_msgs_py.bounded_files import is_file
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
-from space_robot_msgs_py.log.bag import Bag, Missing
+from space_robot_msgs_py.log.bag import Bag, BagMessage, Missing
 from space_robot_msgs_py.log.blocks import BlockStacker
 from space_robot_msgs_py.log.directory import custom_data
 from space_robot_msgs_py.log.mcap.salvage import Damage
@@ -44,7 +45,7 @@ class TopicInfo:
 
     Attributes:
         name: as in the bag.
-        type: ``package/msg/Name``.
+        type: ``package/msg/Name``, and the encoding where it is not that of ROS.
         count: number of messages.
         first: time of the first [ns].
         last: time of the last [ns].
@@ -73,6 +74,7 @@ class Verdict:
         remarks: what else happened, whatever was expected.
         spans: its modes and faults.
         events: how many there were of each severity, of those that there were, the gravest first.
+        commanders: nodes of other projects that commanded.
     """
 
     checks: tuple[Check, ...] = ()
@@ -80,6 +82,7 @@ class Verdict:
     remarks: tuple[Remark, ...] = ()
     spans: Spans = NO_SPANS
     events: Mapping[Severity, int] = field(default_factory=dict)
+    commanders: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool | None:
@@ -104,7 +107,7 @@ class BagInfo:
         versions: of everything that can change the bits of a run.
         end_reason: None: it was cut, or is another tool's.
         damage: bytes that are lost.
-        missing: messages by topic that the bag counts at its end and that are not in it.
+        missing: messages by topic that the bag counts, at its end or in its description, and that were not read.
         verdict: of the run.
         by_index: only what the index of its files says is known, no message was looked at.
     """
@@ -154,11 +157,16 @@ def bag_info(path: Path, *, full: bool = False) -> BagInfo:
         elif isinstance(item, Missing):
             missing[item.topic] += item.count
         else:
-            types.setdefault(item.topic, item.type)
+            types.setdefault(item.topic, _type(item))
             times.setdefault(item.topic, array("Q")).append(item.time)
     topics = tuple(_topic(name, types[name], stamps) for name, stamps in times.items())
     provenance, versions, reason, verdict = _own(bag)
     return BagInfo(path, _size(path), topics, provenance, versions, reason, tuple(damage), missing, verdict)
+
+
+def _type(message: BagMessage) -> str:
+    """The type of a message, and its encoding where it is not that of ROS."""
+    return message.type if message.encoding in ("cdr", "") else f"{message.type} ({message.encoding})".strip()
 
 
 def _by_index(bag: Bag, summaries: Sequence[Summary]) -> BagInfo:
@@ -177,7 +185,9 @@ def _by_index(bag: Bag, summaries: Sequence[Summary]) -> BagInfo:
     provenance, versions, _ = _provenance(bag)
     verdict = Verdict(why_not=f"more than {LARGE >> 20} MiB: --full looks at every message")
     ended = reason if provenance else None
-    return BagInfo(bag.path, _size(bag.path), topics, provenance, versions, ended, (), {}, verdict, by_index=True)
+    found = Counter({topic.name: topic.count for topic in topics})
+    missing = Counter(bag.counted()) - found
+    return BagInfo(bag.path, _size(bag.path), topics, provenance, versions, ended, (), missing, verdict, by_index=True)
 
 
 def _merged(parts: Sequence[SummaryTopic]) -> TopicInfo:
@@ -213,7 +223,10 @@ def _own(bag: Bag) -> tuple[dict[str, str], dict[str, str], str | None, Verdict]
     reason = None
     try:
         reason = reader.end_reason
-        return provenance, versions, reason, _verdict(reader, experiment, reason)
+        verdict = _verdict(reader, experiment, reason)
+        if verdict.commanders:
+            provenance["commanded by"] = ", ".join(verdict.commanders)
+        return provenance, versions, reason, verdict
     except SpaceRobotError as error:
         return provenance, versions, reason, Verdict(why_not=str(error))
 
@@ -255,4 +268,4 @@ def _verdict(reader: LogReader, experiment: Experiment, reason: str | None) -> V
     counts = Counter(event.severity for event in witness.events)
     events = {severity: counts[severity] for severity in reversed(SEVERITIES) if counts[severity]}
     spans = Spans.of(witness.events, experiment, found.metrics.simulated_time)
-    return Verdict(found.checks, "", found.remarks, spans, events)
+    return Verdict(found.checks, "", found.remarks, spans, events, external_nodes(witness.events))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.experiment.controller import check_made_here
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.conclusion import conclusion, passed
@@ -111,6 +112,7 @@ def run_composition(
 ) -> RunResult:
     """Run a composed experiment; everything else as ``run_experiment``."""
     hooks = hooks or Hooks()
+    check_made_here(composition.experiment.controller)
     for warning in composition.review().warnings:
         hooks.warn(warning)
     stopwatch = Stopwatch(hooks)

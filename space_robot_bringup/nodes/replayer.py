@@ -12,6 +12,7 @@ from pathlib import Path
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 
+from space_robot_bringup.logs.foreign_bag import STARTS, Source
 from space_robot_bringup.modes.context import domain_number, local_context
 from space_robot_bringup.modes.graph import make_executor, raise_bug, spin
 from space_robot_bringup.modes.signals import StopFlag
@@ -36,12 +37,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--topics", nargs="+", default=(), help="only these topics")
     parser.add_argument("--as", dest="role", default="state", help="state: what a controller hears; all: commands too")
     parser.add_argument("--namespace", default="", help="of the topics in a bag of another tool")
+    parser.add_argument(
+        "--start", choices=STARTS, default=STARTS[0], help="what stamps count from: the run, or the first state"
+    )
     own = parser.parse_args(given[:split])
     with StopFlag(signal.SIGINT, signal.SIGTERM) as stop:
         try:
-            options = (tuple(own.topics), own.rate, own.paused, own.loop, own.namespace)
-            order = PublishOptions(own.role, *options)
-            broadcast = open_broadcast(own.bag, order.namespace)
+            order = PublishOptions(own.role, tuple(own.topics), own.rate, own.paused, own.loop)
+            broadcast = open_broadcast(own.bag, Source(own.namespace, own.start))
             reason = publish(broadcast, order, Answers(broadcast, EXACT), lambda: stop.reason, given[split:])
         except SpaceRobotError as error:
             print(f"replayer: {error}", file=sys.stderr)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from space_robot_bringup.experiment.experiment import Overrides
+from space_robot_bringup.logs.foreign_bag import Source
 from space_robot_bringup.public.calls import for_python
 from space_robot_bringup.public.result import Run
 from space_robot_bringup.replay import replay as command
@@ -27,6 +28,7 @@ def replay(
     ignore: Sequence[str] = (),
     experiment: StrPath | None = None,
     namespace: str = "",
+    start: Literal["run", "first"] = "run",
     law: str | Sequence[str] = (),
     allow_code: bool = False,
 ) -> Replayed:
@@ -42,6 +44,7 @@ def replay(
         ignore: topics, or topic/block, that are not compared.
         experiment: name or file of what was run, for a bag without one.
         namespace: of the topics in a bag of another tool.
+        start: what stamps in such a bag count from: ``run``, or ``first``, its first state, for stamps since 1970.
         law: ``FILE:Class`` or ``NAME=FILE:Class`` in place of a law that is not installed; a log brings no code.
         allow_code: everything the log names may be imported. It always may for a ``Run``, which this process made.
 
@@ -53,7 +56,7 @@ def replay(
     """
     code = Code(_texts(law), allow_code or isinstance(log, Run))
     options = ReplayOptions(
-        against, Tolerance(rtol, atol, _texts(ignore)), overrides or (), experiment, namespace, code
+        against, Tolerance(rtol, atol, _texts(ignore)), overrides or (), experiment, Source(namespace, start), code
     )
     return command.replay(Path(log), options)
 

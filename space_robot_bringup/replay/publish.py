@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
+from space_robot_bringup.logs.foreign_bag import PLAIN, Source, foreign_rows, names_and_urdf
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
-from space_robot_bringup.replay.foreign_bag import foreign_rows
-from space_robot_msgs_py.codec.codecs import LOGGED, CommandCodec, decode_string
-from space_robot_msgs_py.codec.generic import parse
-from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError, SpecError
+from space_robot_msgs_py.codec.codecs import LOGGED, CommandCodec
+from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
 from space_robot_msgs_py.interfaces import Command
-from space_robot_msgs_py.limits import STATE_BYTES
-from space_robot_msgs_py.log.bag import Bag, intact
+from space_robot_msgs_py.log.bag import Bag
 from space_robot_msgs_py.log.reader import LogReader
-from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, Topic
+from space_robot_msgs_py.topics import BASE_ODOM, Topic
 
 SLOWEST, FASTEST = 1e-3, 1e4
 ROLES = ("state", "all")
@@ -32,7 +30,6 @@ class PublishOptions:
         rate: recorded seconds per second; None: lock-step with the commands, where those are not published.
         paused: begin paused.
         loop: begin again after the last tick.
-        namespace: of the topics in a bag of another tool.
     """
 
     role: str = "state"
@@ -40,7 +37,6 @@ class PublishOptions:
     rate: float | None = None
     paused: bool = False
     loop: bool = False
-    namespace: str = ""
 
     def __post_init__(self) -> None:
         if self.role not in ROLES:
@@ -83,8 +79,12 @@ class Broadcast:
     period: int
 
 
-def open_broadcast(path: Path, namespace: str = "") -> Broadcast:
+def open_broadcast(path: Path, source: Source = PLAIN) -> Broadcast:
     """Read a bag of any tool for publishing; no experiment is needed.
+
+    Args:
+        path: run directory, bag directory or one of its files.
+        source: where the topics are in a bag of another tool.
 
     Raises:
         SpaceRobotError: there is no such bag, or there are no two states in it.
@@ -93,9 +93,9 @@ def open_broadcast(path: Path, namespace: str = "") -> Broadcast:
     try:
         reader = LogReader(path)
         names, urdf, rows = reader.header.joint_names, reader.header.urdf, list(reader.stamps())
-    except LogError:
-        names, urdf = _names_and_urdf(bag, namespace)
-        rows, _ = foreign_rows(bag, names, namespace)
+    except (LogError, InputFileError):
+        names, urdf = names_and_urdf(bag, source)
+        rows, _ = foreign_rows(bag, names, source)
     table = {topic.name: topic for topic in LOGGED}
     ticks = tuple(
         (stamp, {table[name]: raw for name, raw in parts.items() if name in table})
@@ -105,25 +105,6 @@ def open_broadcast(path: Path, namespace: str = "") -> Broadcast:
     if len(ticks) < 2:
         raise LogError("fewer than two states in it", key=str(path), accepted=f"messages on {BASE_ODOM.name}")
     return Broadcast(ticks, names, urdf, min(later[0] - earlier[0] for earlier, later in pairwise(ticks)))
-
-
-def _names_and_urdf(bag: Bag, namespace: str) -> tuple[tuple[str, ...], str]:
-    """Joint names and URDF as they are on the topics."""
-    prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
-    names: tuple[str, ...] = ()
-    urdf = ""
-    for message in intact(bag.messages(), str(bag.path)):
-        try:
-            if message.topic == f"{prefix}/{JOINT_STATES.name}" and not names:
-                STATE_BYTES.check(len(message.data), JOINT_STATES.name, LayoutError)
-                names = tuple(parse(JOINT_STATES.type, message.data).name)
-            elif message.topic == f"{prefix}/{ROBOT_DESCRIPTION.name}":
-                urdf = decode_string(message.data)
-        except SpaceRobotError:
-            continue
-        if names and urdf:
-            break
-    return names, urdf
 
 
 class Answers:

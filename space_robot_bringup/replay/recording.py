@@ -18,11 +18,11 @@ from space_robot_bringup.experiment.experiment import (
     read_experiment,
     with_overrides,
 )
+from space_robot_bringup.logs.foreign_bag import PLAIN, Source, foreign_rows
 from space_robot_bringup.logs.logged import compose_logged, confined, law_policy, typed_in
-from space_robot_bringup.replay.foreign_bag import foreign_rows
 from space_robot_control.laws.policy import LawPolicy
 from space_robot_description.validation import parse_yaml_text
-from space_robot_msgs_py.errors import LogError, SpecError
+from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.log.bag import Bag
@@ -80,7 +80,7 @@ def open_recording(
     *,
     experiment: StrPath | None = None,
     overrides: Overrides = (),
-    namespace: str = "",
+    source: Source = PLAIN,
     code: Code = NO_CODE,
 ) -> Recording:
     """Open a log of this project, or a bag of another tool with an experiment that says what it lacks.
@@ -89,7 +89,7 @@ def open_recording(
         path: run directory, bag directory or .mcap file.
         experiment: shipped name or YAML file, for bags without one.
         overrides: see ``load_experiment``.
-        namespace: of the topics in a bag of another tool.
+        source: where the topics are in a bag of another tool.
         code: of laws that may be run.
 
     Raises:
@@ -101,14 +101,14 @@ def open_recording(
         # The user typed the name of this file, so it may name code as for a run.
         data, allowed = located(file.content, file.folder), Code(code.laws, allowed=True)
         composition, changes = _composed(data, file.where, overrides, allowed)
-        rows, remarks = foreign_rows(bag, composition.joint_names, namespace)
+        rows, remarks = foreign_rows(bag, composition.joint_names, source)
         _check_period(rows, composition)
         return Recording(path, composition, lambda: iter(rows), None, changes, {}, tuple(remarks), foreign=True)
     try:
         reader = LogReader(path)
-    except LogError as error:
+    except (LogError, InputFileError) as error:
         accepted = "a log with its header, or --experiment FILE for a bag of another tool"
-        raise LogError(error.message, key=error.key, accepted=accepted) from None
+        raise LogError(error.message, key=error.key, value=error.value, accepted=accepted) from None
     inside = f"{reader.path} experiment.yaml:"
     data = confined(parse_yaml_text(reader.header.experiment, inside), inside)
     composition, changes = _composed(data, str(path), overrides, code)

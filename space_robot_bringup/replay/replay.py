@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from space_robot_bringup.experiment.experiment import Overrides
+from space_robot_bringup.logs.foreign_bag import PLAIN, Source
 from space_robot_bringup.modes.compilation import notice
 from space_robot_bringup.replay.comparison import EXACT, Tolerance
 from space_robot_bringup.replay.controller import replay_controller
@@ -31,7 +32,7 @@ class ReplayOptions:
         tolerance: what counts as equal.
         overrides: of the recorded experiment, see ``load_experiment``.
         experiment: for bags without one.
-        namespace: of the topics in a bag of another tool.
+        source: where the topics are in a bag of another tool.
         code: of laws that may be run; of the log alone none is.
     """
 
@@ -39,7 +40,7 @@ class ReplayOptions:
     tolerance: Tolerance = EXACT
     overrides: Overrides = ()
     experiment: StrPath | None = None
-    namespace: str = ""
+    source: Source = PLAIN
     code: Code = NO_CODE
 
     def __post_init__(self) -> None:
@@ -48,10 +49,15 @@ class ReplayOptions:
 
     def sides(self, recording: Recording) -> tuple[str, ...]:
         """What is computed again of a run."""
+        external = recording.composition.experiment.controller.external
+        if external and self.against == "controller":
+            accepted = "--against plant, or --set controller.law=NAME"
+            raise SpecError("the run had none of its own", key="--against", value=self.against, accepted=accepted)
         if self.against != ALL:
             return (self.against,)
         watched = recording.composition.experiment.supervision is not None
-        return tuple(side for side in SIDES if side != "supervisor" or watched)
+        left_out = {"supervisor": not watched, "controller": external}
+        return tuple(side for side in SIDES if not left_out.get(side))
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +90,7 @@ def replay(bag: Path, options: ReplayOptions, on_notice: Callable[[str], None] =
         SpaceRobotError: the bag or an option cannot be used.
     """
     recording = open_recording(
-        bag, experiment=options.experiment, overrides=options.overrides, namespace=options.namespace, code=options.code
+        bag, experiment=options.experiment, overrides=options.overrides, source=options.source, code=options.code
     )
     composition, plant = recording.composition, options.against in ("plant", ALL)
     # Of a plant alone no law is made.

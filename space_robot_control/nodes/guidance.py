@@ -7,8 +7,9 @@ from typing import Any
 from space_robot_msgs_py.codec.codecs import ReferenceCodec, peek_stamp
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import ReferenceSource
+from space_robot_msgs_py.nodes.attitude import AttitudePublisher
 from space_robot_msgs_py.nodes.base import GraphNode, publish_all
-from space_robot_msgs_py.topics import BASE_ODOM
+from space_robot_msgs_py.topics import BASE_ODOM, REFERENCE_ATTITUDE
 
 
 class GuidanceNode(GraphNode):
@@ -43,6 +44,7 @@ class GuidanceNode(GraphNode):
         self._period, self._steps, self._ahead = period, steps, ahead
         self._next, self._reached, self._doubted = 0, -1, -1
         self._reference_publishers = [self.publisher(topic) for topic in self._codec.topics]
+        self._attitude = AttitudePublisher(self, REFERENCE_ATTITUDE)
         self._publish_until(ahead)
         self.listen(BASE_ODOM, self._on_state)
 
@@ -79,5 +81,7 @@ class GuidanceNode(GraphNode):
 
     def _publish_until(self, tick: int) -> None:
         while self._next <= min(tick, self._steps):
-            publish_all(self._reference_publishers, self._codec.encode(self._reference.at(self._next * self._period)))
+            desired = self._reference.at(self._next * self._period)
+            publish_all(self._reference_publishers, self._codec.encode(desired))
+            self._attitude.show(desired.stamp, desired.q)
             self._next += 1

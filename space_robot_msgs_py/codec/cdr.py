@@ -8,6 +8,10 @@ from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
 ENCAPSULATION = b"\x00\x01\x00\x00"
+# The first two bytes of the messages of ROS, of either byte order.
+PLAIN_CDR = (b"\x00\x00", b"\x00\x01")
+# Other encodings by number, without the bit of the byte order [DDS-XTypes 1.3, table 60].
+_ENCAPSULATIONS = {2: "parameter list", 4: "XML", 6: "XCDR2", 8: "delimited XCDR2", 10: "parameter list XCDR2"}
 # Fast DDS counts 4 bytes of alignment for each empty float64[], which it then does not write (a JointState has three),
 # and may round up: its buffers are that much longer than the message.
 MAX_TRAILING = 15
@@ -39,6 +43,34 @@ def unpack_stamp(raw: bytes, offset: int = 0) -> int:
     if seconds < 0 or nanoseconds >= NANOSECONDS:
         raise LayoutError("not a time of a run", key="stamp", value=(seconds, nanoseconds), accepted="0 <= ns < 10^9")
     return int(seconds * NANOSECONDS + nanoseconds)
+
+
+def with_stamp(raw: bytes, stamp: int) -> bytes:
+    """A message that begins with a Header or a Time, with another stamp [ns].
+
+    Raises:
+        LayoutError: see ``pack_stamp``.
+    """
+    head = len(ENCAPSULATION)
+    return raw[:head] + pack_stamp(stamp) + raw[head + TIME.size :]
+
+
+def check_encapsulation(raw: bytes, key: str) -> None:
+    """Refuse bytes that say they are no plain CDR.
+
+    Args:
+        raw: a message.
+        key: its topic or type, for the error.
+
+    Raises:
+        LayoutError: it is another encoding, which is named by its number in DDS-XTypes.
+    """
+    if bytes(raw[:2]) in PLAIN_CDR or len(raw) < len(ENCAPSULATION):
+        return
+    number = int.from_bytes(raw[:2], "big")
+    name = _ENCAPSULATIONS.get(number & ~1, "unknown")
+    accepted = "plain CDR, kind 0x0000 or 0x0001"
+    raise LayoutError(f"{name} encoding, not plain CDR", key=key, value=f"kind 0x{number:04x}", accepted=accepted)
 
 
 def aligned(position: int, alignment: int) -> int:

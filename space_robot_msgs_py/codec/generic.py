@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from space_robot_msgs_py.codec.cdr import MAX_TRAILING
+from space_robot_msgs_py.codec.cdr import MAX_TRAILING, check_encapsulation
 from space_robot_msgs_py.codec.schemas import typestore
 from space_robot_msgs_py.errors import LayoutError
 
@@ -37,6 +37,7 @@ def parse(ros_type: str, raw: bytes) -> Any:
     Raises:
         LayoutError: the bytes are not such a message.
     """
+    check_encapsulation(raw, ros_type)
     store: Any = typestore()
     definition = store.get_msgdef(ros_type)
     try:

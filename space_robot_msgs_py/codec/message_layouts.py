@@ -50,6 +50,11 @@ def wrench_stamped(topic: str, error: ErrorClass = LayoutError) -> Layout:
     return LayoutBuilder(topic, error).stamp().string(BASE_LINK, "header.frame_id").doubles(6, "wrench").build()
 
 
+def vector3_stamped(topic: str) -> Layout:
+    """geometry_msgs/Vector3Stamped in `inertial`; holes: stamp, vector (3)."""
+    return LayoutBuilder(topic).stamp().string(INERTIAL, "header.frame_id").doubles(3, "vector").build()
+
+
 def joint_trajectory(topic: str, joints: Sequence[str]) -> Layout:
     """trajectory_msgs/JointTrajectory of one point; holes: stamp, positions, velocities, accelerations (n each)."""
     builder = LayoutBuilder(topic).stamp().string("", "header.frame_id").strings(joints, "joint_names")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -14,9 +15,9 @@ from mcap.records import Channel, Schema
 
 from space_robot_msgs_py.bounded_files import path_kind, read_text, short
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
-from space_robot_msgs_py.foreign_files import check_before_reading, unpacker
+from space_robot_msgs_py.foreign_files import check_before_reading, foreign_messages
 from space_robot_msgs_py.limits import METADATA_BYTES
-from space_robot_msgs_py.log.directory import METADATA_FILE
+from space_robot_msgs_py.log.directory import METADATA_FILE, description
 from space_robot_msgs_py.log.mcap.records import MESSAGE, parse
 from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
 from space_robot_msgs_py.log.mcap.summary import read_summary
@@ -31,18 +32,20 @@ class BagMessage(NamedTuple):
         topic: as it is in the bag, mostly with a leading slash.
         type: ``package/msg/Name``; empty if the bag does not say.
         time: when it was recorded [ns].
-        data: CDR as its writer left it.
+        data: as its writer left it, mostly CDR.
+        encoding: ``cdr``, or what the bag says it is.
     """
 
     topic: str
     type: str
     time: int
     data: bytes
+    encoding: str = "cdr"
 
 
 @dataclass(frozen=True, slots=True)
 class Missing:
-    """Messages that a file counts at its end and that cannot be found in it.
+    """Messages that a bag counts, at the end of a file or in its description, and that cannot be found in it.
 
     Attributes:
         topic: as it is in the bag.
@@ -70,14 +73,34 @@ class Bag:
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         self.files = _mcap_files(self.path)
+        self._single = path_kind(self.path) == "file"
 
     def messages(self) -> Iterator[BagMessage | Damage | Missing]:
-        """Every message in the order of the files, and behind those of a file what is missing of them.
+        """Every message in the order of the files, and behind those of a file, and of all, what is missing of them.
 
         Raises:
             InputFileError: the bag cannot be read at all.
         """
-        return self._own_messages() if self.files else self._foreign_messages()
+        left = Counter(self.counted())
+        for item in self._own_messages() if self.files else self._foreign_messages():
+            if isinstance(item, BagMessage):
+                left[item.topic] -= 1
+            elif isinstance(item, Missing):
+                left[item.topic] -= item.count
+            yield item
+        yield from (Missing(*one) for one in left.items() if one[1] > 0)
+
+    def counted(self) -> dict[str, int]:
+        """Messages by topic that the description of a bag directory counts; nothing where it has none."""
+        said = description(self.path).get("topics_with_message_count") if not self._single else None
+        found: Counter[str] = Counter()
+        for one in said if isinstance(said, list) else ():
+            with suppress(LookupError, TypeError):
+                topic, count = one["topic_metadata"]["name"], one["message_count"]
+                # YAML has true and false, which Python counts with.
+                if isinstance(topic, str) and type(count) is int:
+                    found[topic] += count
+        return dict(found)
 
     def _own_messages(self) -> Iterator[BagMessage | Damage | Missing]:
         for file in self.files:
@@ -89,10 +112,10 @@ class Bag:
                     yield item
                 elif item.opcode == Opcode.MESSAGE:
                     number, _, time, _ = MESSAGE.unpack_from(item.content)
-                    topic, ros_type = channels.name(number)
+                    topic, ros_type, encoding = channels.name(number)
                     # Of a topic that the file no longer names here it is missing.
                     found[number] += bool(topic)
-                    yield BagMessage(topic, ros_type, time, item.content[MESSAGE.size :])
+                    yield BagMessage(topic, ros_type, time, item.content[MESSAGE.size :], encoding)
                 else:
                     channels.take(item)
             if summary is not None:
@@ -100,21 +123,21 @@ class Bag:
 
     def _foreign_messages(self) -> Iterator[BagMessage | Damage]:
         """What is not plain MCAP (SQLite, compression by rosbag2) is left to rosbags."""
-        from rosbags.highlevel import AnyReader
-
-        from space_robot_msgs_py.codec.schemas import typestore
-
-        check_before_reading(self.path)
         try:
-            with AnyReader([self.path], default_typestore=typestore()) as reader:
-                unpack = unpacker(reader)
-                for connection, time, raw in reader.messages():
-                    yield BagMessage(connection.topic, connection.msgtype, time, unpack(bytes(raw)))
+            for place in self._places():
+                check_before_reading(place)
+                for one in foreign_messages(place):
+                    yield BagMessage(one.topic, one.type, one.time, one.data, one.encoding)
         except SpaceRobotError:
             raise
         except Exception as error:
             # What a corrupted bag makes rosbags, SQLite and the decompressors raise has no common base.
             raise InputFileError(f"cannot be read as a bag: {error}", key=str(self.path)) from None
+
+    def _places(self) -> list[Path]:
+        """What rosbags is to read: each file, whatever a description says of it, or the bag that rosbag2 compressed."""
+        files = sorted(self.path.glob("*.db3"), key=_natural) if not self._single else []
+        return files if files and not _is_compressed(self.path) else [self.path]
 
 
 class Channels:
@@ -139,13 +162,13 @@ class Channels:
             channel = parse(Channel.read, record.content, self._key)
             self.channels.setdefault(channel.id, channel)
 
-    def name(self, channel: int) -> tuple[str, str]:
-        """Topic and type of a channel; empty where the file no longer says."""
+    def name(self, channel: int) -> tuple[str, str, str]:
+        """Topic, type and encoding of a channel; empty where the file no longer says."""
         found = self.channels.get(channel)
         if found is None:
-            return "", ""
+            return "", "", ""
         schema = self.schemas.get(found.schema_id)
-        return found.topic, schema.name if schema is not None else ""
+        return found.topic, schema.name if schema is not None else "", found.message_encoding
 
 
 def _mcap_files(path: Path) -> tuple[Path, ...]:
@@ -184,6 +207,8 @@ def intact(stream: Iterator[BagMessage | Damage | Missing], key: str) -> Iterato
     for item in stream:
         if isinstance(item, Damage):
             lost = lost or item
+        elif lost is not None and lost.cut and isinstance(item, Missing):
+            continue
         elif lost is not None:
             raise LogError(f"damaged at byte {lost.offset}: {lost.what}", key=key, accepted=RECOVERED)
         elif isinstance(item, Missing):

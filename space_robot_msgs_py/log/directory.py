@@ -32,6 +32,7 @@ class BagTopic:
         count: of its messages.
         qos: what was offered, as rosbag2 writes it.
         type_hash: ``RIHS01_...``, or empty.
+        encoding: of its messages.
     """
 
     name: str
@@ -39,6 +40,7 @@ class BagTopic:
     count: int
     qos: tuple[Mapping[str, Any], ...] = ()
     type_hash: str = ""
+    encoding: str = "cdr"
 
 
 def recorded_topics(counts: Mapping[str, int]) -> list[BagTopic]:
@@ -84,7 +86,7 @@ def metadata_yaml(
             "topic_metadata": {
                 "name": topic.name,
                 "type": topic.type,
-                "serialization_format": "cdr",
+                "serialization_format": topic.encoding,
                 "offered_qos_profiles": [dict(offer) for offer in topic.qos],
                 "type_description_hash": topic.type_hash,
             },

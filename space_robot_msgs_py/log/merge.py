@@ -21,10 +21,13 @@ from space_robot_msgs_py.log.header import METADATA_NAME
 from space_robot_msgs_py.log.mcap.index import IndexedWriter
 from space_robot_msgs_py.log.mcap.records import MESSAGE, PREFIX, parse, record_bytes
 from space_robot_msgs_py.log.mcap.salvage import Damage, Record, salvage
+from space_robot_msgs_py.log.numbering import Numbering
 from space_robot_msgs_py.log.preamble import LIBRARY
 
 # What rosbag2 keeps of its own metadata in a file speaks of the file as it was.
 STALE = "rosbag2"
+# The schema of a channel that has none, such as one of JSON.
+NO_SCHEMA = 0
 HASH, OFFERS = "topic_type_hash", "offered_qos_profiles"
 
 
@@ -48,10 +51,11 @@ class BagMerger:
         self.nameless = 0
         self.damage: list[Damage] = []
         self.first = self.last = 0
-        self._sequences: dict[tuple[Path, int], tuple[str, int, int, int]] = {}
-        self._counted: Counter[str] = Counter()
+        self._numberings: dict[Path, Numbering] = {}
+        # By file what it counts at its end, for those that do.
+        self._counted: dict[Path, Counter[str]] = {}
         self._header = Header("ros2", "")
-        self._channels: dict[str, tuple[Channel, Schema]] = {}
+        self._channels: dict[str, tuple[Channel, Schema | None]] = {}
         self._numbers: dict[str, int] = {}
         self._by_file: dict[Path, Channels] = {}
         for file in bag.files:
@@ -81,17 +85,24 @@ class BagMerger:
     def topics(self) -> list[BagTopic]:
         """What ``metadata.yaml`` says of the new bag."""
         return [
-            BagTopic(topic, schema.name, self.kept[topic], _offers(said.get(OFFERS, "")), said.get(HASH, ""))
-            for topic, (said, schema) in ((t, (c.metadata, s)) for t, (c, s) in self._channels.items())
+            BagTopic(
+                topic,
+                schema.name if schema is not None else "",
+                self.kept[topic],
+                _offers(channel.metadata.get(OFFERS, "")),
+                channel.metadata.get(HASH, ""),
+                channel.message_encoding,
+            )
+            for topic, (channel, schema) in self._channels.items()
         ]
 
     def lost(self) -> dict[str, int]:
-        """Messages by topic that are known to be missing, from the old statistics or from gaps in the numbers."""
+        """Messages by topic that are known to be missing: what a file counts at its end, or gaps in its numbers."""
         missing: Counter[str] = Counter()
-        for topic, first, last, count in self._sequences.values():
-            missing[topic] += max(0, last - first + 1 - count)
-        known = {topic: count - self.kept[topic] for topic, count in self._counted.items()}
-        return {topic: count for topic, count in (missing | known).items() if count > 0}
+        for file in self._bag.files:
+            numbers = self._numbering(file)
+            missing += self._counted[file] - numbers.kept() if file in self._counted else numbers.lost()
+        return dict(missing)
 
     def _learn(self, file: Path) -> None:
         channels = self._by_file[file] = Channels(str(file))
@@ -112,23 +123,26 @@ class BagMerger:
                 # A damaged count would be reported as a loss.
                 consistent = found.message_count == sum(found.channel_message_counts.values())
                 statistics = found if consistent else None
+        if statistics is not None:
+            self._counted[file] = Counter()
         for number, channel in channels.channels.items():
             schema = channels.schemas.get(channel.schema_id)
-            if schema is not None:
+            # A channel without a schema has number 0; another that is not there was lost with what is damaged.
+            if schema is not None or channel.schema_id == NO_SCHEMA:
                 self._channels.setdefault(channel.topic, (channel, schema))
             if statistics is not None:
-                self._counted[channel.topic] += statistics.channel_message_counts.get(number, 0)
+                self._counted[file][channel.topic] += statistics.channel_message_counts.get(number, 0)
 
     def _announce(self, writer: IndexedWriter) -> None:
         """All schemas and channels, renumbered: files of one bag may have numbers of their own."""
         schemas: dict[tuple[str, bytes], int] = {}
         for _, schema in self._channels.values():
-            if (schema.name, schema.data) not in schemas:
+            if schema is not None and (schema.name, schema.data) not in schemas:
                 number = schemas[schema.name, schema.data] = len(schemas) + 1
                 _add(writer, record_bytes(Schema(number, schema.data, schema.encoding, schema.name)))
         for topic, (channel, schema) in self._channels.items():
             number = self._numbers[topic] = len(self._numbers) + 1
-            of = schemas[schema.name, schema.data]
+            of = NO_SCHEMA if schema is None else schemas[schema.name, schema.data]
             _add(writer, record_bytes(Channel(number, topic, channel.message_encoding, channel.metadata, of)))
 
     def _copy(self, writer: IndexedWriter, file: Path, record: Record) -> None:
@@ -138,16 +152,16 @@ class BagMerger:
         if number is None:
             self.nameless += 1
             return
-        # Other tools may begin anywhere; files without numbers have no gaps.
-        begun = 0 if self._header.library == LIBRARY else sequence
-        _, first, _, count = self._sequences.get((file, channel), (topic, begun, 0, 0))
-        self._sequences[file, channel] = (topic, first, sequence, count + 1)
+        self._numbering(file).take(channel, topic, sequence)
         head = MESSAGE.pack(number, self.kept[topic], time, published)
         writer.add(Opcode.MESSAGE, head + record.content[MESSAGE.size :])
         if not self.kept:
             self.first = time
         self.kept[topic] += 1
         self.last = max(self.last, time)
+
+    def _numbering(self, file: Path) -> Numbering:
+        return self._numberings.setdefault(file, Numbering(from_zero=self._header.library == LIBRARY))
 
     def _is_kept(self, record: Record, file: Path) -> bool:
         if record.opcode == Opcode.METADATA:

@@ -8,13 +8,21 @@ from space_robot_msgs_py.codec.schemas import schema_text, type_hash
 from space_robot_msgs_py.log.header import METADATA_NAME, LogHeader
 from space_robot_msgs_py.log.mcap.records import MAGIC, metadata_bytes, record_bytes
 from space_robot_msgs_py.qos import qos_of
-from space_robot_msgs_py.topics import HOUSEKEEPING, SUPERVISOR_MODE, TABLE, WHEEL_MOMENTUM, Topic
+from space_robot_msgs_py.topics import (
+    ATTITUDE,
+    HOUSEKEEPING,
+    REFERENCE_ATTITUDE,
+    SUPERVISOR_MODE,
+    TABLE,
+    WHEEL_MOMENTUM,
+    Topic,
+)
 from space_robot_msgs_py.yaml_text import yaml_text
 
 LIBRARY = "space_robot"
 END_NAME = "end"
 # What every log has comes first, and what came to the table later last, so that channels keep their numbers.
-_LATER = (HOUSEKEEPING, SUPERVISOR_MODE, WHEEL_MOMENTUM)
+_LATER = (HOUSEKEEPING, SUPERVISOR_MODE, WHEEL_MOMENTUM, ATTITUDE, REFERENCE_ATTITUDE)
 _FIRST = [one for one in TABLE if one.recorded and one not in _LATER]
 RECORDED: tuple[Topic, ...] = (*sorted(_FIRST, key=lambda one: one.optional), *_LATER)
 # A run without a topic has its channel, empty; of optional topics only those that its header names.

@@ -247,10 +247,12 @@ def _scan(stream: IO[bytes]) -> Iterator[tuple[int, bytes]]:
 def _bag_file(path: Path) -> Path:
     kind = path_kind(path)
     if kind == "directory":
-        bags = sorted(path.glob(f"*{BAG_SUFFIX}"))
+        found = sorted(path.glob("*.mcap"))
+        # A bag that was renamed or copied by another tool has no number.
+        bags = [one for one in found if one.name.endswith(BAG_SUFFIX)] or found
         if len(bags) != 1:
-            found = f"{len(bags)} files *{BAG_SUFFIX}"
-            raise InputFileError("not a run directory", key=short(path), value=found, accepted="one of them")
+            value = f"{len(bags)} files *.mcap"
+            raise InputFileError("not a run directory", key=short(path), value=value, accepted="one of them")
         return bags[0]
     if kind == "none":
         raise InputFileError("no such file", key=short(path), accepted="a run directory or an .mcap file")

@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
+from space_robot_msgs_py.attitude import SOURCES, AttitudeAngles
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec, encode_string
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.interfaces import PlantSample, Reference, Supervision, Tick
@@ -21,6 +22,7 @@ from space_robot_msgs_py.transforms import FrameTransforms
 
 _IDS = tuple(CHANNELS[topic.name] for topic in LOGGED)
 _BASE, _JOINTS = LOGGED.index(BASE_ODOM), LOGGED.index(JOINT_STATES)
+_ANGLES = tuple((topic, AttitudeAngles(topic), LOGGED.index(source)) for topic, (source, _) in SOURCES.items())
 
 
 class LogWriter:
@@ -29,7 +31,8 @@ class LogWriter:
     While the run goes on the file is a plain sequence of records, flushed after every tick: a SIGKILL loses at most
     the tick being written. All times are stamps; no wall clock and no name of a machine gets into the file.
 
-    Transforms follow from the state: the writer makes them, so that the log of every mode has them, with the same bits.
+    Transforms and angles follow from state and reference: the writer makes them, so that the log of every mode has
+    them, with the same bits.
 
     Every file is reached through the open directory, and no other run can write there meanwhile. A file that is no
     longer where it was, or a disk that takes no more, ends the log with a reason that says so, where one still fits.
@@ -102,6 +105,9 @@ class LogWriter:
         transforms = self._frames.from_messages(row[_BASE], row[_JOINTS])
         if transforms is not None:
             records.append(self._record(TF, stamp, transforms))
+        for topic, angles, source in _ANGLES:
+            if (data := angles.of(row[source])) is not None:
+                records.append(self._record(topic, stamp, data))
         self._append(b"".join(records))
         self._written.last = stamp
         self._written.ticks += 1

@@ -14,6 +14,7 @@ from space_robot_description.rotations import to_rpy
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.arrays import LogArrays
+from space_robot_report.block_names import block_names
 from space_robot_report.pages.plots import Plot, Trace, lines
 
 RPY, XYZ = ("roll", "pitch", "yaw"), ("x", "y", "z")
@@ -36,7 +37,7 @@ FLOOR = 1e-18
 
 
 def motion_plots(
-    arrays: LogArrays, joints: Sequence[str], robot: Robot | None, *, whole: bool = True
+    arrays: LogArrays, joints: Sequence[str], robot: Robot | None, *, whole: bool = True, desired: bool = True
 ) -> Iterator[Plot]:
     """Desired and actual values and their difference: the truth where the plant tells it, else the measurement.
 
@@ -46,11 +47,17 @@ def motion_plots(
         robot: None where it is not known.
         whole: every tick is there. Between ticks that are not, a robot may turn more than once: its angles then stay
             within a turn.
+        desired: it is known what was desired.
     """
     time, truth = arrays.time, arrays.plant.get("true_configuration", arrays.q)
     prismatic = np.array(robot.prismatic if robot else [False] * len(joints), dtype=bool)
     scale = np.where(prismatic, 1.0, np.degrees(1.0))
     unit = "m" if prismatic.all() and prismatic.size else "deg, m" if prismatic.any() else "deg"
+    if not desired:
+        yield Plot("Base attitude [deg]", lines(time, _attitude(truth, whole), RPY))
+        yield Plot("Base position [m]", lines(time, truth[:, :3], XYZ))
+        yield Plot(f"Joints [{unit}]", lines(time, truth[:, 7:] * scale, joints))
+        return
     errors = deviations(truth, arrays.q_d)
     turned = np.degrees(errors[:, 3:6])
     yield _followed("Base attitude [deg]", time, _attitude(truth, whole), _attitude(arrays.q_d, whole), RPY)
@@ -99,12 +106,12 @@ def conservation_plots(arrays: LogArrays) -> Iterator[Plot]:
         yield Plot(title, lines(arrays.time, block, names), levels={"allowed": allowed}, log=True)
 
 
-def telemetry_plots(time: Vector, blocks: Mapping[str, Matrix]) -> Iterator[Plot]:
-    """Every block of telemetry under its own name."""
+def telemetry_plots(time: Vector, blocks: Mapping[str, Matrix], joints: Sequence[str] = ()) -> Iterator[Plot]:
+    """Every block of telemetry under its own name, its numbers under those of axes and joints; see ``block_names``."""
     for label, block in blocks.items():
         if label in SHOWN or not block.shape[1]:
             continue
-        names = [f"[{index}]" for index in range(block.shape[1])] if block.shape[1] > 1 else [""]
+        names = block_names(block.shape[1], joints)
         yield Plot(label, lines(time, block, names, legend=len(names) <= MAX_LEGEND))
 
 

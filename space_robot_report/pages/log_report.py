@@ -7,12 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.judge.conclusion import passed
-from space_robot_bringup.logs.assessed import JudgedLog, read_judged
+from space_robot_bringup.logs.assessed import JudgedLog
+from space_robot_bringup.logs.commander import law_said
+from space_robot_bringup.logs.foreign_bag import PLAIN, Source
+from space_robot_bringup.logs.foreign_log import COMMAND, REFERENCE, read_shown
 from space_robot_bringup.logs.spans import Spans
 from space_robot_description.visual import look_of
 from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
+from space_robot_msgs_py.paths import StrPath
 from space_robot_report.pages.html import script
 from space_robot_report.pages.interactive import PlotBook, embedded, interactive_page
 from space_robot_report.pages.log_plots import conservation_plots, effort_plots, motion_plots, telemetry_plots
@@ -26,13 +30,22 @@ TEMPLATE = "log.html.j2"
 MAX_LISTED = 500
 
 
-def write_log_report(log: Path, out: Path, meshes: Sequence[Path] = ()) -> JudgedLog:
-    """Write the page of a log, whole or corrupted; the page says what is missing.
+def write_log_report(
+    log: Path,
+    out: Path,
+    meshes: Sequence[Path] = (),
+    *,
+    experiment: StrPath | None = None,
+    source: Source = PLAIN,
+) -> JudgedLog:
+    """Write the page of a log, whole or corrupted, or of another tool's bag; the page says what is missing.
 
     Args:
-        log: run directory or .mcap file.
+        log: run directory, bag directory or one of its files.
         out: the page.
         meshes: folders the robot's meshes may be read from, see ``look_of``.
+        experiment: for bags without one, see ``read_shown``.
+        source: of the topics in a bag of another tool.
 
     Returns:
         What was read.
@@ -41,7 +54,7 @@ def write_log_report(log: Path, out: Path, meshes: Sequence[Path] = ()) -> Judge
         InputFileError: there is no such log.
         LogError: no complete tick can be read, or the page cannot be written.
     """
-    judged = read_judged(log)
+    judged = read_shown(log, experiment, source)
     write_atomically(out, log_page(judged, meshes))
     return judged
 
@@ -86,7 +99,8 @@ def _summary(judged: JudgedLog) -> str:
     what = f"{judged.ticks} ticks, {arrays.time[-1] - arrays.time[0]:g} s"
     if experiment is not None:
         robot = experiment.robot["name"] if isinstance(experiment.robot, dict) else experiment.robot
-        what = f"{robot} under {experiment.controller.law}: {what}, control period {experiment.control_period:g} s"
+        law = law_said(experiment.controller.law, judged.happened)
+        what = f"{robot} under {law}: {what}, control period {experiment.control_period:g} s"
     return f"{what}. Ended: {judged.end_reason or 'cut'}."
 
 
@@ -141,11 +155,13 @@ def _sections(judged: JudgedLog, book: PlotBook) -> list[dict[str, Any]]:
     arrays, joints = judged.arrays, judged.header.joint_names
     robot = judged.composition.nominal if judged.composition else None
     sections = {
-        "Motion": motion_plots(arrays, joints, robot, whole=judged.ticks == arrays.stamp.size),
-        "Torques and wheels": effort_plots(arrays, joints, robot),
-        "What the law shows": telemetry_plots(arrays.time, arrays.controller),
+        "Motion": motion_plots(
+            arrays, joints, robot, whole=judged.ticks == arrays.stamp.size, desired=REFERENCE not in judged.absent
+        ),
+        "Torques and wheels": () if COMMAND in judged.absent else effort_plots(arrays, joints, robot),
+        "What the law shows": telemetry_plots(arrays.time, arrays.controller, joints),
         "Conservation": conservation_plots(arrays),
-        "What else the plant shows": telemetry_plots(arrays.time, arrays.plant),
+        "What else the plant shows": telemetry_plots(arrays.time, arrays.plant, joints),
     }
     drawn = [{"title": title, "plots": book.all(list(plots))} for title, plots in sections.items()]
     return [section for section in drawn if section["plots"]]
@@ -156,8 +172,10 @@ def _provenance(judged: JudgedLog) -> dict[str, str]:
     said = {
         "log": judged.path.name,
         "mode": judged.mode or "not known: it is in metadata.yaml, beside the log",
-        "seed": str(header.seed),
+        "seed": str(header.seed) if header.experiment else "",
         "joints": ", ".join(header.joint_names),
         "end": judged.end_reason or "cut",
     }
-    return said | {f"version of {name}": version for name, version in header.versions.items()}
+    return {name: text for name, text in said.items() if text} | {
+        f"version of {name}": version for name, version in header.versions.items()
+    }

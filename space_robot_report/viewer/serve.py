@@ -40,7 +40,7 @@ def serve(
         address = f"http://localhost:{server.get_port()}"
         start, end = float(show.film.time[0]), float(show.film.time[-1])
         clock, motion = PlayClock(start, end), Motion(show.look.model, show.film)
-        stage = Stage(server, show.look, motion, show.tool)
+        stage = Stage(server, show.look, motion, show.tool, desired=show.desired)
         panel = Panel(server, clock, show, start=start, end=end, switches=stage.switches())
         stage.show(motion.at(start))
         on_ready(address)

@@ -23,6 +23,7 @@ class Show:
         about: a line or two on it, as HTML.
         spans: modes and faults of the run.
         events: of the run, in order.
+        desired: it is known what was desired.
     """
 
     look: Look
@@ -32,3 +33,4 @@ class Show:
     about: str
     spans: Spans = NO_SPANS
     events: Sequence[Happened] = ()
+    desired: bool = True

@@ -32,12 +32,15 @@ class Stage:
         look: the robot.
         motion: its log.
         tool: the link whose way is drawn.
+        desired: a robot stands where it was desired, too.
 
     Attributes:
         size: how far the robot reaches from its base at the start [m].
     """
 
-    def __init__(self, server: viser.ViserServer, look: Look, motion: Motion, tool: str) -> None:
+    def __init__(
+        self, server: viser.ViserServer, look: Look, motion: Motion, tool: str, *, desired: bool = True
+    ) -> None:
         self._server = server
         self._start = np.array(motion.film.q[0, :3])
         self.size = _reach(look, motion.film.q[0])
@@ -52,6 +55,8 @@ class Stage:
         for visualizer, root, color in ((self._robot, "world/robot", None), (self._ghost, "world/desired", DESIRED)):
             visualizer.initViewer(viewer=server)
             visualizer.loadViewerModel(root, visual_color=color, frame_axis_length=0.15 * self.size)
+        self._ghost.visualRootFrame.visible = desired
+        self._desired = desired
         # A robot without visuals is at least its frames.
         self._robot.displayFrames(not look.visuals.geometryObjects)
         axes = {"axes_length": 0.75 * self.size, "axes_radius": 0.02 * self.size}
@@ -66,8 +71,8 @@ class Stage:
 
     def switches(self) -> dict[str, Callable[[bool], None]]:
         """What can be switched on and off, by label."""
-        return {
-            "desired": partial(setattr, self._ghost.visualRootFrame, "visible"),
+        ghost = {"desired": partial(setattr, self._ghost.visualRootFrame, "visible")} if self._desired else {}
+        return ghost | {
             "torques": partial(setattr, self._torques, "visible"),
             "way of the tool": partial(setattr, self._way, "visible"),
             "base axes": partial(setattr, self._base, "visible"),

@@ -11,7 +11,7 @@ from rclpy.subscription import Subscription
 from rclpy.time import Time
 
 from space_robot_msgs_py.nodes.base import GraphNode
-from space_robot_msgs_py.topics import Topic
+from space_robot_msgs_py.topics import Topic, topics_of
 from space_robot_sim.nodes.publishers import Publishers
 
 ROLL_CALL_SECONDS = 0.02
@@ -51,7 +51,8 @@ class Attendance:
         self._node, self._lossless = node, lossless
         self._on_start, self._on_watch = on_start, on_watch
         self._required, self._readers = required, readers
-        self._publishers = Publishers(node, readers)
+        # The name of a node of another project that commands is to be in the log.
+        self._publishers = Publishers(node, readers, {topic: topic.publisher for topic in topics_of("command")})
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._present_since: Time | None = None
         self.started = False

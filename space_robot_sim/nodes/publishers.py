@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -23,10 +23,11 @@ class Publishers:
     Args:
         node: that asks the graph.
         topics: to follow.
+        usual: topic to the name of the node that is meant to publish it; the first of another name is a change.
     """
 
-    def __init__(self, node: GraphNode, topics: Iterable[Topic]) -> None:
-        self._node = node
+    def __init__(self, node: GraphNode, topics: Iterable[Topic], usual: Mapping[Topic, str] | None = None) -> None:
+        self._node, self._usual = node, usual or {}
         # Nodes with their processes: one that is configured anew has two publishers for a moment.
         self._known = {topic: frozenset[tuple[str, bytes]]() for topic in topics}
         self._unnamed: Counter[Topic] = Counter()
@@ -34,8 +35,8 @@ class Publishers:
     def changes(self) -> list[tuple[Topic, list[str]]]:
         """Topics whose publishers changed since the last call, with the nodes that publish them now.
 
-        The first publisher of a topic, and one that is gone, are no change; a second one is, and another one. Asks the
-        graph once for every topic, about 0.1 ms each.
+        The first publisher of a topic, where it is the usual one, and one that is gone, are no change; a second one is,
+        and another one. Asks the graph once for every topic, about 0.1 ms each.
         """
         found = []
         for topic, before in self._known.items():
@@ -45,9 +46,14 @@ class Publishers:
             if not now or now == before or self._waits_for_names(topic, endpoints):
                 continue
             self._known[topic] = now
-            if len(now) > 1 or (before and not now <= before):
-                found.append((topic, sorted(name for name, _ in now)))
+            names = sorted(name for name, _ in now)
+            if len(now) > 1 or (not now <= before if before else self._is_unusual(topic, names)):
+                found.append((topic, names))
         return found
+
+    def _is_unusual(self, topic: Topic, names: Iterable[str]) -> bool:
+        usual = self._usual.get(topic)
+        return usual is not None and any(name.rpartition("/")[2] != usual for name in names)
 
     def _waits_for_names(self, topic: Topic, endpoints: Iterable[TopicEndpointInfo]) -> bool:
         if all(one.node_name != UNNAMED for one in endpoints):

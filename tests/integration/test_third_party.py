@@ -9,16 +9,24 @@ import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import Vector3Stamped, WrenchStamped
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from space_robot_bringup.modes.run import judge_log
+from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.logs.assessed import read_judged
+from space_robot_bringup.logs.info import bag_info
+from space_robot_bringup.modes.run import Mode, judge_log, run_experiment
+from space_robot_msgs_py.codec.generic import parse
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.topics import ATTITUDE
+from space_robot_report.pages.log_report import log_page
 from tests.support.harness import running_graph
+from tests.support.replays import replayed
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
@@ -35,6 +43,7 @@ class Stranger(Node):  # type: ignore[misc]
     def __init__(self, **options: Any) -> None:
         super().__init__("third_party_controller", **options)
         self.parts: dict[int, dict[str, Any]] = {}
+        self.angles: dict[int, tuple[float, float, float]] = {}
         self.wrench = self.create_publisher(WrenchStamped, "base/wrench_command", QOS)
         self.effort = self.create_publisher(JointState, "joint_command", QOS)
         for name, kind in {
@@ -44,6 +53,13 @@ class Stranger(Node):  # type: ignore[misc]
             "reference/joints": JointTrajectory,
         }.items():
             self.create_subscription(kind, name, lambda message, name=name: self.take(name, message), QOS)
+
+        self.create_subscription(Vector3Stamped, "base/attitude_rpy_deg", self.plot, 10)
+
+    def plot(self, message: Any) -> None:
+        """Keep the attitude in degrees, as a tool does that plots it."""
+        stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+        self.angles[stamp] = (message.vector.x, message.vector.y, message.vector.z)
 
     def take(self, name: str, message: Any) -> None:
         """Answer a stamp once all four of its messages are there."""
@@ -70,6 +86,16 @@ class Stranger(Node):  # type: ignore[misc]
         self.effort.publish(command)
 
 
+def angles_in(run: Path) -> dict[int, tuple[float, float, float]]:
+    """Stamp [ns] to roll, pitch and yaw [deg] of a log."""
+    found = {}
+    for name, stamp, raw in LogReader(run).messages():
+        if name == ATTITUDE.name:
+            vector = parse(ATTITUDE.type, raw).vector
+            found[stamp] = (vector.x, vector.y, vector.z)
+    return found
+
+
 def vector_part(actual: Any, desired: Any) -> Any:
     """Vector part of the rotation from the actual to the desired attitude, the short way."""
     a, d = (np.array([q.x, q.y, q.z, q.w]) for q in (actual, desired))
@@ -80,7 +106,11 @@ def vector_part(actual: Any, desired: Any) -> Any:
 def test_a_third_party_node_controls_the_robot(tmp_path: Path) -> None:
     """With a third-party controller only, the run completes, the robot reaches its target and no command is refused."""
     with running_graph(
-        tmp_path / "run", "expect={}", "duration=200.0", roles=("recorder", "guidance", "simulator")
+        tmp_path / "run",
+        "expect={}",
+        "duration=200.0",
+        "controller.law=external",
+        roles=("recorder", "guidance", "simulator"),
     ) as robot:
         stranger = Stranger(context=robot.context)
         robot.executor.add_node(stranger)
@@ -95,4 +125,24 @@ def test_a_third_party_node_controls_the_robot(tmp_path: Path) -> None:
     for axis in result.metrics.axes:
         assert axis.final_error < 0.5, f"{axis.name} is off by {axis.final_error} deg"
     topics = {name for name, _, _ in LogReader(tmp_path / "run").messages()}
-    assert not {"controller/telemetry", "controller/events"} & topics
+    assert "controller/telemetry" not in topics
+    # What it plotted live is what the log has.
+    assert stranger.angles.items() <= angles_in(tmp_path / "run").items()
+    assert len(stranger.angles) > 100
+    assert bag_info(tmp_path / "run").provenance["commanded by"] == "/third_party_controller"
+    assert "under external (/third_party_controller)" in log_page(read_judged(tmp_path / "run"))
+    # There is no law to be compared with; the plant is.
+    assert [outcome.against for outcome in replayed(tmp_path / "run").outcomes] == ["plant"]
+    with pytest.raises(ValueError, match="--against: the run had none of its own"):
+        replayed(tmp_path / "run", against="controller")
+
+
+@pytest.mark.parametrize("mode", ["headless", "graph"])
+def test_an_external_controller_is_not_made_here(tmp_path: Path, mode: Mode) -> None:
+    """Where no node of another project can come, and with gains or other laws, one line says so and nothing is run."""
+    experiment = load_experiment("liu2023/fig08", ["controller.law=external"])
+    with pytest.raises(SpecError, match=r"controller\.law: has no controller here"):
+        run_experiment(experiment, tmp_path / "run", mode=mode)
+    assert not (tmp_path / "run").exists()
+    with pytest.raises(SpecError, match=r"controller\.gains: an external controller has none"):
+        load_experiment("liu2023/fig08", ["controller.law=external", "controller.gains.kappa=1.0"])

@@ -51,6 +51,15 @@ def placed(frames, name):
     return placement
 
 
+def test_a_quaternion_turns_a_frame_as_its_angles_do():
+    """``quat_xyzw`` of URDF 1.1 places a link, of whatever length it is; zeros place none."""
+    turned = SLIDER.replace('rpy="0 0 1.5707963267948966"', 'quat_xyzw="0 0 2 2"')
+    state = state_of(np.random.default_rng(2), 1)
+    here, there = (chain((TF, FrameTransforms(text, ("slide",)).of(state))) for text in (SLIDER, turned))
+    assert here["cart"][1].isApprox(there["cart"][1], 1e-12)
+    assert FrameTransforms(turned.replace("0 0 2 2", "0 0 0 0"), ("slide",)).of(state) is None
+
+
 @pytest.mark.parametrize("name", shipped("robots"))
 def test_every_link_stands_where_pinocchio_puts_it(name):
     """The chain of transforms gives the placement of every link of every shipped robot."""

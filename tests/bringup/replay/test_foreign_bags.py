@@ -14,6 +14,7 @@ from mcap_ros2.decoder import DecoderFactory
 from mcap_ros2.writer import Writer as McapRos2Writer
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
+from space_robot_bringup.logs.foreign_bag import Source
 from space_robot_bringup.logs.info import bag_info
 from space_robot_bringup.replay.replay import Replayed
 from space_robot_msgs_py.codec.generic import parse, serialise
@@ -106,7 +107,7 @@ def run(bag: Path, **order: Any) -> Replayed:
 def test_bags_of_other_tools_replay_to_the_bit(run_log: Path, tmp_path: Path, form: str) -> None:
     """Whatever the tool, chunks, compression, split, order and padding: controller and plant are equal."""
     bag = write(form, run_log, tmp_path / "bag")
-    done = run(bag, namespace="robot1" if form == "namespace" else "")
+    done = run(bag, source=Source("robot1" if form == "namespace" else ""))
     assert [outcome.against for outcome in done.outcomes] == ["controller", "plant"]
     for outcome in done.outcomes:
         assert outcome.first is None

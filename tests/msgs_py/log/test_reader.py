@@ -14,18 +14,20 @@ from ruamel.yaml import YAML
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.headless import run_in_memory, write_bag
+from space_robot_msgs_py.attitude import SOURCES
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.errors import InputFileError, LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Telemetry
 from space_robot_msgs_py.log.arrays import LogArrays, arrays_of, stack_telemetry
 from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, scan
-from space_robot_msgs_py.log.preamble import log_name
+from space_robot_msgs_py.log.preamble import CHANNELS, log_name
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.writer import LogSink, LogWriter
 from space_robot_msgs_py.topics import JOINT_COMMAND
 from tests.support import values
 
 COUNT = 30
+BY_TICK = (*LOGGED, *SOURCES)
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +82,7 @@ def test_a_written_log_reads_back_bit_for_bit(run):
 def test_messages_come_in_table_order(run):
     """The description is first, then every stamp has every topic of a tick in the order of the table."""
     listed = [(name, stamp) for name, stamp, _ in LogReader(run).messages()]
-    expected = [(topic.name, k * values.PERIOD) for k in range(COUNT) for topic in LOGGED]
+    expected = [(topic.name, k * values.PERIOD) for k in range(COUNT) for topic in BY_TICK]
     assert listed == [("robot_description", 0), *expected]
 
 
@@ -124,8 +126,8 @@ def test_a_truncated_log_is_read_to_its_last_complete_tick(killed, tmp_path, par
 
 def _whole_ticks(data):
     """How many ticks have all their records in these bytes."""
-    messages = sum(opcode == Opcode.MESSAGE for opcode, _ in _records(data))
-    return max(messages - 1, 0) // len(LOGGED)
+    numbers = [MESSAGE.unpack_from(content)[0] for opcode, content in _records(data) if opcode == Opcode.MESSAGE]
+    return numbers.count(CHANNELS[LOGGED[-1].name])
 
 
 def _records(data):
@@ -259,9 +261,9 @@ def _more(tick):
 def test_rosbags_reads_the_directory_without_a_gap(run):
     """AnyReader opens the bag by its metadata and decodes every message, with stamps as bag times."""
     with AnyReader([run]) as reader:
-        assert reader.message_count == 1 + COUNT * len(LOGGED)
+        assert reader.message_count == 1 + COUNT * len(BY_TICK)
         assert {c.topic: c.msgcount for c in reader.connections} == {
-            "/robot_description": 1, "/tf": 0, "/tf_static": 0, **{log_name(topic): COUNT for topic in LOGGED}
+            "/robot_description": 1, "/tf": 0, "/tf_static": 0, **{log_name(topic): COUNT for topic in BY_TICK}
         }  # fmt: skip
         seen = {c.topic: [] for c in reader.connections}
         for connection, timestamp, raw in reader.messages():
@@ -270,18 +272,20 @@ def test_rosbags_reads_the_directory_without_a_gap(run):
             if hasattr(message, "header"):
                 stamp = message.header.stamp
                 assert stamp.sec * NANOSECONDS + stamp.nanosec == timestamp
-    for topic in LOGGED:
+    for topic in BY_TICK:
         assert seen[log_name(topic)] == [k * values.PERIOD for k in range(COUNT)]
 
 
 def test_rosbags_reads_the_bare_file_and_its_qos(run):
     """The .mcap alone is a bag too, and its channels carry the QoS that was offered."""
     with Reader(run / "run_0.mcap") as reader:
-        assert reader.message_count == 1 + COUNT * len(LOGGED)
+        assert reader.message_count == 1 + COUNT * len(BY_TICK)
         for connection in reader.connections:
             (offer,) = connection.ext.offered_qos_profiles
-            depth = {"/robot_description": 1, "/tf": 10, "/tf_static": 1}.get(connection.topic, 1000)
-            durability = "VOLATILE" if connection.topic == "/tf" else "TRANSIENT_LOCAL"
+            for_tools = ("/tf", *(log_name(topic) for topic in SOURCES))
+            depths = {"/robot_description": 1, "/tf_static": 1, **dict.fromkeys(for_tools, 10)}
+            depth = depths.get(connection.topic, 1000)
+            durability = "VOLATILE" if connection.topic in for_tools else "TRANSIENT_LOCAL"
             assert (offer.history.name, offer.depth, offer.reliability.name) == ("KEEP_LAST", depth, "RELIABLE")
             assert (offer.durability.name, offer.liveliness.name) == (durability, "AUTOMATIC")
 
@@ -295,7 +299,7 @@ def test_mcap_reads_every_message_with_valid_checksums(run):
         joints = list(reader.iter_messages(topics=["/joint_states"]))
         attachments = {a.name: a.data.decode() for a in reader.iter_attachments()}
         metadata = {m.name: m.metadata for m in reader.iter_metadata()}
-    assert (header.profile, len(decoded)) == ("ros2", 1 + COUNT * len(LOGGED))
+    assert (header.profile, len(decoded)) == ("ros2", 1 + COUNT * len(BY_TICK))
     assert [message.log_time for _, _, message in joints] == [k * values.PERIOD for k in range(COUNT)]
     assert [message.sequence for _, _, message in joints] == list(range(COUNT))
     assert all(message.publish_time == message.log_time for _, _, message, _ in decoded)

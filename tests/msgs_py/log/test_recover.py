@@ -9,19 +9,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap.opcode import Opcode
+from mcap.reader import make_reader
+from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 
+from space_robot_msgs_py.attitude import SOURCES
 from space_robot_msgs_py.codec.codecs import LOGGED
 from space_robot_msgs_py.errors import InputFileError, LogError, SpaceRobotError
 from space_robot_msgs_py.log.bag import Bag
 from space_robot_msgs_py.log.mcap.records import MAGIC, PREFIX, scan
 from space_robot_msgs_py.log.mcap.salvage import Damage, salvage
+from space_robot_msgs_py.log.numbering import ANY_TOPIC
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.recover import recover
 from space_robot_msgs_py.log.writer import LogSink
 from tests.support import values
 
 COUNT = 150
+BY_TICK = (*LOGGED, *SOURCES)
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +107,7 @@ def test_damage_within_costs_one_chunk_and_is_counted(logs: dict[str, bytes], tm
     done = recover(put(tmp_path / "bad", bytes(data)), tmp_path / "good")
     ticks = bits(LogReader(done.path))
     assert set(map(str, ticks)) < set(map(str, WHOLE))
-    assert done.lost == {f"/{topic.name}": COUNT - len(ticks) for topic in LOGGED}
+    assert done.lost == {f"/{topic.name}": COUNT - len(ticks) for topic in BY_TICK}
     assert [lost.offset for lost in done.damage] == [chunks[1]]
     assert done.end_reason == "completed"
 
@@ -140,7 +145,7 @@ def test_recover_of_a_log_without_its_header_says_so(logs: dict[str, bytes], tmp
     data = logs["closed"].replace(b"seed: 7\nname: test", b"seed: 8\nname: test")
     done = recover(put(tmp_path / "bad", data), tmp_path / "good")
     assert "header" in done.complaint
-    assert sum(done.kept.values()) == 1 + COUNT * len(LOGGED)
+    assert sum(done.kept.values()) == 1 + COUNT * len(BY_TICK)
     with AnyReader([done.path.parent]) as bag:
         assert bag.message_count == sum(done.kept.values())
 
@@ -231,6 +236,51 @@ def test_no_truncation_and_no_flipped_byte_makes_a_traceback(tmp_path: Path, mon
             said = str(error)
         assert "\n" not in said
     assert recovered > 200
+
+
+def other_tools(path: Path, counters: str, drop: range = range(0)) -> Path:
+    """A bag of two topics, one of them JSON without a schema, whose messages are counted by topic or by file."""
+    path.parent.mkdir()
+    with path.open("wb") as stream:
+        writer = Writer(stream, chunk_size=200)
+        writer.start("ros2")
+        schema = writer.register_schema("std_msgs/msg/String", "ros2msg", b"string data")
+        channels = (writer.register_channel("/a", "cdr", schema), writer.register_channel("/b", "json", 0))
+        for index in set(range(40)).difference(drop):
+            number = index if counters == "file" else index // 2
+            writer.add_message(channels[index % 2], index, b'{"text": 1}', index, 7 + number)
+        writer.finish()
+    return path
+
+
+def test_channels_without_a_schema_are_kept(tmp_path: Path) -> None:
+    """JSON needs no schema: its topic, encoding and messages are in the recovered bag, and nothing is lost."""
+    done = recover(other_tools(tmp_path / "bag" / "bag_0.mcap", "topic"), tmp_path / "good")
+    assert done.whole
+    assert done.kept == {"/a": 20, "/b": 20}
+    with done.path.open("rb") as stream:
+        found = [(c.topic, c.message_encoding, s is None) for s, c, _ in make_reader(stream).iter_messages()]
+    assert set(found) == {("/a", "cdr", False), ("/b", "json", True)}
+
+
+@pytest.mark.parametrize(
+    ("counters", "drop", "lost"),
+    [
+        ("topic", range(0), {}),
+        ("file", range(0), {}),
+        ("topic", range(10, 16), {"/a": 3, "/b": 3}),
+        ("file", range(10, 15), {ANY_TOPIC: 5}),
+    ],
+)
+def test_numbers_may_count_by_topic_or_by_file(
+    tmp_path: Path, counters: str, drop: range, lost: dict[str, int]
+) -> None:
+    """Where a bag has no count at its end, its numbers say what is missing; a counter over the file is no loss."""
+    path = other_tools(tmp_path / "bag" / "bag_0.mcap", counters, drop)
+    data = path.read_bytes()
+    end = next(place for place in range(len(data)) if data[place] == Opcode.DATA_END and data[place + 1] == 4)
+    path.write_bytes(data[:end])
+    assert recover(path, tmp_path / "good").lost == lost
 
 
 def _touch(path: Path, *_: object, **__: object) -> None:

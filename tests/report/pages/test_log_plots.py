@@ -11,6 +11,7 @@ pytest.importorskip("plotly")
 
 from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.log.arrays import arrays_of
+from space_robot_report.block_names import block_names
 from space_robot_report.pages.log_plots import motion_plots
 from tests.support import values
 
@@ -26,3 +27,15 @@ def test_turns_are_counted_only_where_every_tick_is_there() -> None:
         yaw = next(trace for trace in plot.traces if trace.name == "yaw")
         assert largest - 90.0 < np.abs(yaw.values).max() < largest + 1e-6
         np.testing.assert_allclose(np.cos(np.radians(yaw.values)), np.cos(np.radians(100.0 * np.arange(30))), atol=1e-9)
+
+
+def test_numbers_of_a_block_have_names() -> None:
+    """As many as joints: of the joints; three: of the axes; a size that may mean two things, or nothing, is counted."""
+    joints = ("shoulder", "elbow")
+    assert block_names(2, joints) == joints
+    assert block_names(3, joints) == ("x", "y", "z")
+    assert block_names(8, joints)[5:] == ("about z", *joints)
+    assert block_names(9, joints)[6:] == ("qw", *joints)
+    assert block_names(3, ("a", "b", "c")) == ("[0]", "[1]", "[2]")
+    assert block_names(5, joints) == ("[0]", "[1]", "[2]", "[3]", "[4]")
+    assert block_names(1, joints) == ("",)

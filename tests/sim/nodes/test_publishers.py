@@ -20,10 +20,10 @@ def endpoint(process: int, name: str, number: int = 0) -> Any:
 class Graph:
     """What the graph shows at one time after another."""
 
-    def __init__(self) -> None:
+    def __init__(self, usual: str | None = None) -> None:
         self.shown: list[Any] = []
         node: Any = SimpleNamespace(get_publishers_info_by_topic=lambda name: self.shown)
-        self._publishers = Publishers(node, [JOINT_COMMAND])
+        self._publishers = Publishers(node, [JOINT_COMMAND], {JOINT_COMMAND: usual} if usual else None)
 
     def changes(self, *shown: Any) -> list[list[str]]:
         self.shown = list(shown)
@@ -55,6 +55,17 @@ def test_a_second_and_another_publisher_are_reported_once() -> None:
     assert graph.changes(two) == []
     assert graph.changes(endpoint(3, "controller")) == [["/controller"]]
     assert graph.changes(endpoint(3, "controller"), endpoint(3, "second", 1)) == [["/controller", "/second"]]
+
+
+def test_a_first_publisher_of_another_name_is_reported_once() -> None:
+    """The node that is meant to publish is no news; one of another project is, once it has a name."""
+    assert Graph("controller").changes(endpoint(1, "controller")) == []
+    graph = Graph("controller")
+    assert graph.changes(endpoint(1, UNNAMED)) == []
+    assert graph.changes(endpoint(1, "third_party")) == [["/third_party"]]
+    assert graph.changes(endpoint(1, "third_party")) == []
+    assert graph.changes() == []
+    assert graph.changes(endpoint(1, "third_party", 9)) == []
 
 
 def test_a_name_is_waited_for_but_not_for_ever() -> None:
