@@ -17,7 +17,7 @@ from space_robot_msgs_py.extras import install
 if TYPE_CHECKING:
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.publish import PublishOptions
-    from space_robot_supervisor.table import Severity
+    from space_robot_supervisor.rows import Severity
 
 
 @app.command()

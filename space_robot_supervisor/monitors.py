@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import Literal
 
-from space_robot_supervisor.table import MonitorSpec
+from space_robot_supervisor.rows import MonitorSpec
 
 Edge = Literal["fires", "clears"]
 
@@ -21,7 +21,7 @@ class Monitor:
         seen: the value at the last look; None: there was none.
     """
 
-    __slots__ = ("_count", "_fired", "_high", "_inhibited", "_low", "_restless", "seen", "spec")
+    __slots__ = ("_count", "_fired", "_high", "_inhibited", "_left", "_low", "_restless", "seen", "spec")
 
     def __init__(self, spec: MonitorSpec) -> None:
         self.spec = spec
@@ -34,6 +34,7 @@ class Monitor:
     def reset(self) -> None:
         """Forget everything, as at the start of a run."""
         self._inhibited = 0
+        self._left: float = inf if self.spec.times is None else self.spec.times
         self.enter()
 
     def enter(self) -> None:
@@ -45,7 +46,7 @@ class Monitor:
     def look(self, value: float | None) -> Edge | None:
         """Look at the value of a tick; whether it fires or clears now.
 
-        It fires at the last of ``for`` periods in a row, and again only after its condition has ended.
+        It fires at the last of ``for`` periods in a row, and again only after that has ended, at most ``times``.
         """
         # Nearly always nothing is the matter, and that is all there is to do.
         if not self._restless and value is not None and self._low <= value <= self._high:
@@ -66,9 +67,9 @@ class Monitor:
             self._count, self._fired = 0, False
             return "clears"
         self._count = self._count + 1 if self._holds(before) else 0
-        if self._count < self.spec.for_:
+        if self._count < self.spec.for_ or not self._left:
             return None
-        self._fired, self._inhibited = True, self.spec.inhibit_after
+        self._fired, self._inhibited, self._left = True, self.spec.inhibit_after, self._left - 1
         return "fires"
 
     def _holds(self, before: float | None, slack: float = 0.0) -> bool:

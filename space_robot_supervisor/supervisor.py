@@ -10,7 +10,8 @@ from space_robot_msgs_py.interfaces import NANOSECONDS, Acknowledgement, Supervi
 from space_robot_supervisor import reports
 from space_robot_supervisor.monitors import Monitor
 from space_robot_supervisor.plan import Plan
-from space_robot_supervisor.table import COMMANDS, SEVERITIES, Severity, SupervisionTable, mode_of
+from space_robot_supervisor.rows import COMMANDS, SEVERITIES, Severity
+from space_robot_supervisor.table import SupervisionTable, mode_of
 from space_robot_supervisor.values import COUNTS, TELEMETRY, WHEELS, Snapshot, Value, value_of
 
 

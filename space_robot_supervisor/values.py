@@ -101,6 +101,9 @@ def values_of(robot: Robot, limit: Vector) -> dict[str, Value]:
         "error.joints": lambda now: max(map(abs, map(sub, now.q_d[7:], now.q[7:])), default=0.0),
         "command.saturation": lambda now: None if now.command is None else _saturated(now.command, bounds),
     }
+    ends = _ends(robot)
+    if ends:
+        found["joints.margin"] = lambda now: min([min(now.q[i] - low, high - now.q[i]) for i, low, high in ends])
     if isinstance(robot.actuators.base_torque, ReactionWheels):
         found[WHEELS] = lambda now: None if now.wheels is None else _norm(*now.wheels.tolist())
     parts = {"position": (0, _XYZ), "attitude": (3, (*_XYZ, "w")), "joint.position": (7, robot.joint_names)}
@@ -110,6 +113,12 @@ def values_of(robot: Robot, limit: Vector) -> dict[str, Value]:
     for part, (first, names) in rates.items():
         found |= {f"{part}.{name}": _rate(first + index) for index, name in enumerate(names)}
     return found
+
+
+def _ends(robot: Robot) -> list[tuple[int, float, float]]:
+    """Place in a configuration, lower and upper limit of every joint that has one."""
+    limits = zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)
+    return [(7 + i, low, high) for i, (low, high) in enumerate(limits) if isfinite(low) or isfinite(high)]
 
 
 def _position(index: int) -> Value:
