@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, NonNegativeFloat, PositiveFloat, PositiveInt
+from pydantic import (
+    AfterValidator,
+    Field,
+    NonNegativeFloat,
+    PositiveFloat,
+    PositiveInt,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
 
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.errors import SpecError
@@ -91,6 +99,11 @@ class HoldFor(Strict):
     """What acts when no usable command is there: the last one for some periods, then nothing."""
 
     last_for: PositiveInt = Field(description="control periods without a usable command in which the last one acts")
+    brakes: bool = Field(default=False, description="then the joints' brakes close, until a usable command is there")
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in handler(self).items() if key != "brakes" or value}
 
 
 Hold = Literal["last", "zero"] | HoldFor

@@ -34,7 +34,7 @@ Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^\w[\w.-]*$")
 RESERVED = ("mode", "command", "sequence")
 # Keys that older tables do not have: where they say nothing a log has nothing of them.
 LATER = ("schedule", "sequences", "housekeeping", "fallback")
-LATER_OF_MODES, LATER_OF_MONITORS = ("from", "forget"), ("start", "times")
+LATER_OF_MODES, LATER_OF_MONITORS = ("from", "forget", "brakes"), ("start", "times")
 
 
 class ModeSpec(Strict):
@@ -54,6 +54,8 @@ class ModeSpec(Strict):
     forget: bool = Field(
         default=False, description="a law that takes over here has forgotten what it learned of the robot in the run"
     )
+
+    brakes: bool = Field(default=False, description="the brakes of all joints are closed; robots that have some")
 
     @model_serializer(mode="wrap")
     def _said_as_typed(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -108,7 +108,9 @@ class Supervisor:
             events, self._found = tuple(self._found), []
             self._reported += len(events)
         answer = -1 if now.command is None else now.command.stamp
-        return Supervision(stamp, self.mode, self._law, self._policy, self._since, answer, events, summary)
+        return Supervision(
+            stamp, self.mode, self._law, self._policy, self._since, answer, events, summary, self._brakes
+        )
 
     def _watch(self, mode: str) -> tuple[list[Value], list[tuple[Monitor, int]]]:
         """What is read in a mode, each value once, and which monitors look at which of them."""
@@ -191,7 +193,7 @@ class Supervisor:
 
     def _enter(self, mode: str, stamp: int) -> None:
         self.mode, self._since, spec = mode, stamp, self._table.modes[mode]
-        self._law, self._policy = spec.law, spec.reference
+        self._law, self._policy, self._brakes = spec.law, spec.reference, spec.brakes
         for monitor in self._monitors:
             monitor.enter()
 

@@ -84,6 +84,11 @@ class SupervisionTable(Strict):
         self._check_steps(key)
         self._check_reachable(key)
 
+    @property
+    def brakes(self) -> bool:
+        """Some mode closes the brakes of the joints."""
+        return any(mode.brakes for mode in self.modes.values())
+
     def modes_of(self, row: MonitorSpec) -> tuple[str, ...]:
         """In which modes a row is looked at."""
         return row.in_ or tuple(mode for mode in self.modes if mode != row.to)

@@ -90,7 +90,7 @@ def make_node(
         supervised = composition.experiment.supervision is not None
         paced = realtime is not None
         return ControllerNode(composition.controller, names, paced=paced, supervised=supervised, **options)
-    timing |= optional | {"ahead": ahead}
+    timing |= optional | {"ahead": ahead, "braked": composition.braked}
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )
