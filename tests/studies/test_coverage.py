@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.coverage import cell, chosen, outcome, table
+from benchmarks.coverage import cell, chosen, outcome, summary, table
 from space_robot_sim.faults.catalogue import KINDS
 from space_robot_studies.campaign.cases import make_case
 from space_robot_studies.campaign.run_case import run_case
@@ -33,6 +33,15 @@ def test_a_cell_has_the_worst_of_its_draws() -> None:
     """And how many of them were so, where not all were."""
     fine, lost = {"failed": "", "completed": True}, {"failed": "base.rate", "completed": True}
     assert (cell([fine, fine]), cell([fine, lost, fine])) == ("survives", "lost 1/3")
+
+
+def test_what_is_lost_is_said_with_its_reason() -> None:
+    """Counts of all outcomes, and a line per cell that supervision does not save."""
+    both = {"completed": True, "controller": "pd", "faults": "joint_free"}
+    rows = [both | {"failed": "joints.beyond, base.rate", "supervision": how} for how in ("without", "with")]
+    said = summary([*rows, both | {"failed": "", "supervision": "with"}])
+    assert "Of 1 runs each, without → with supervision: 0 → 1 survives, 0 → 0 degrades, 0 → 0 safe, 1 → 1 lost." in said
+    assert "- `joint_free` with `pd`: a joint beyond its limit, the base moves (1)" in said
 
 
 def test_every_kind_that_the_robot_can_have_is_in_the_campaign() -> None:
