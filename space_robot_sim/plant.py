@@ -144,7 +144,8 @@ class SimulatedRobot:
             command = self._wire.carry(self._stamp // self._period, command)
         acting = self._hold.take(self._monitor.check(command))
         u = acting.u
-        if self._plan.planned or self._brakes is not None:
+        # Brakes that were closed have to be opened, too.
+        if self._plan.planned or self._closed or self._hold.brakes or any(self._braking):
             u = self._with_faults(u)
         status = self._advance(u)
         self._stamp += self._period

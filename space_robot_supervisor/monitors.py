@@ -19,13 +19,17 @@ class Monitor:
     Attributes:
         spec: its row.
         seen: the value at the last look; None: there was none.
+        low: nearly always nothing is the matter, and that is all there is to do: a value from here to ``high`` of a
+            monitor that is ``calm`` changes nothing but ``seen``, and need not be looked at.
+        high: see there.
+        calm: see there.
     """
 
-    __slots__ = ("_count", "_fired", "_high", "_inhibited", "_left", "_low", "_restless", "seen", "spec")
+    __slots__ = ("_count", "_fired", "_inhibited", "_left", "calm", "high", "low", "seen", "spec")
 
     def __init__(self, spec: MonitorSpec) -> None:
         self.spec = spec
-        self._low, self._high = (
+        self.low, self.high = (
             -inf if spec.below is None else spec.below,
             inf if spec.above is None else spec.above,
         )
@@ -40,7 +44,7 @@ class Monitor:
     def enter(self) -> None:
         """Begin to count again, as when another mode begins."""
         self._count, self._fired = 0, False
-        self._restless = self.spec.unchanged or self._inhibited > 0
+        self.calm = not (self.spec.unchanged or self._inhibited)
         self.seen: float | None = None
 
     def look(self, value: float | None) -> Edge | None:
@@ -48,12 +52,8 @@ class Monitor:
 
         It fires at the last of ``for`` periods in a row, and again only after that has ended, at most ``times``.
         """
-        # Nearly always nothing is the matter, and that is all there is to do.
-        if not self._restless and value is not None and self._low <= value <= self._high:
-            self.seen = value
-            return None
         edge = self._look_closer(value)
-        self._restless = self.spec.unchanged or self._fired or self._count > 0 or self._inhibited > 0
+        self.calm = not (self.spec.unchanged or self._fired or self._count or self._inhibited)
         return edge
 
     def _look_closer(self, value: float | None) -> Edge | None:

@@ -123,7 +123,11 @@ class Supervisor:
         values = [read(now) for read in reads]
         leading: Monitor | None = None
         for monitor, place in watching:
-            edge = monitor.look(values[place])
+            value = values[place]
+            if monitor.calm and value is not None and monitor.low <= value <= monitor.high:
+                monitor.seen = value
+                continue
+            edge = monitor.look(value)
             if edge is None:
                 continue
             self._found.append(reports.edge(now.state.stamp, monitor, edge))
