@@ -64,3 +64,16 @@ def test_promises_of_the_table_are_kept_on_a_slice() -> None:
         rows.append(case.columns() | run_case(case.data, "slice", "none").columns)
         assert outcome(rows[-1]) == "survives", rows[-1]
     assert table(rows).count("survives → survives") == len(HARMLESS)
+
+
+# Lost without supervision, whatever the draw, and not with it.
+SAVED = {"joint_runaway": "computed_torque", "joint_offset": "computed_torque", "sensor_bias": "adaptive"}
+
+
+def test_supervision_saves_what_is_lost_without_it() -> None:
+    """Brakes stop a joint before its end, and another law answers for one that has learned what cannot be."""
+    campaign = chosen(1, tuple(SAVED))
+    for case in (make_case(campaign, index) for index in range(campaign.cases)):
+        if case.labels["controller"] == SAVED[case.labels["faults"]]:
+            row = case.columns() | run_case(case.data, "slice", "none").columns
+            assert (outcome(row) == "lost") is (case.labels["supervision"] == "without"), row
