@@ -104,8 +104,9 @@ class SimulatedRobot:
         self._allocate = allocate
         if self._compiled and braked:
             # Before the run: a paced one would stand still while its first brake closes.
-            sizes = np.zeros(6 + robot.n), self._seconds, self._memory.wheels, self._memory.allocation
-            self._allocate = bound(allocate, self._able, *sizes)
+            plant = self._memory
+            given = np.zeros(6 + robot.n), self._seconds, plant.wheels, plant.allocation
+            self._allocate = bound(allocate, self._able, *given)
         self.reset()
 
     def reset(self) -> PlantSample:
