@@ -10,6 +10,7 @@ moving at the end, beyond a joint limit, or ended early); a cell has the worst o
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -46,6 +47,33 @@ def cell(rows: Sequence[Columns]) -> str:
     return worst if found.count(worst) == len(found) else f"{worst} {found.count(worst)}/{len(found)}"
 
 
+def why(row: Columns) -> str:
+    """Why a run is lost: what of it was not as it should be."""
+    if not row["completed"]:
+        return "ended early"
+    reasons = {
+        "joints.beyond": "a joint beyond its limit",
+        "base.rate": "the base moves",
+        "joints.rate": "the arm moves",
+    }
+    missed = row["failed"].split(", ")
+    return ", ".join(text for name, text in reasons.items() if name in missed)
+
+
+def summary(rows: Sequence[Columns]) -> str:
+    """How many runs had which outcome, without → with supervision, and each cell that is lost with it, with reasons."""
+    counts = {how: Counter(outcome(row) for row in rows if row["supervision"] == how) for how in ("without", "with")}
+    total = sum(counts["without"].values())
+    said = ", ".join(f"{counts['without'][name]} → {counts['with'][name]} {name}" for name in OUTCOMES)
+    lost: dict[str, Counter[str]] = {}
+    for row in rows:
+        if row["supervision"] == "with" and outcome(row) == "lost":
+            lost.setdefault(f"`{row['faults']}` with `{row['controller']}`", Counter())[why(row)] += 1
+    lines = [f"- {place}: {', '.join(f'{text} ({n})' for text, n in found.items())}" for place, found in lost.items()]
+    head = f"Of {total} runs each, without → with supervision: {said}. Lost with supervision:"
+    return "\n".join([head, "", *(lines or ["- none"])])
+
+
 def table(rows: Iterable[Columns]) -> str:
     """A row per kind of fault, a column per law, each without | with supervision."""
     cells: dict[str, dict[tuple[str, str], list[Columns]]] = {}
@@ -79,7 +107,8 @@ def main(arguments: list[str]) -> int:
     if result.end_reason != "completed":
         return 1
     rows = campaign_rows(directory)[1]
-    print(table(rows[index].columns for index in sorted(rows)))
+    found = [rows[index].columns for index in sorted(rows)]
+    print(table(found), summary(found), sep="\n\n")
     return 0
 
 

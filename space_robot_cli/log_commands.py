@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from space_robot_bringup.logs.foreign_bag import Source
     from space_robot_bringup.replay.comparison import Tolerance
     from space_robot_bringup.replay.publish import PublishOptions
-    from space_robot_supervisor.table import Severity
+    from space_robot_supervisor.rows import Severity
 
 
 @app.command()

@@ -46,7 +46,7 @@ def check_actuators(spec: RobotSpec, joint_names: Sequence[str], urdf_effort: Se
 
 def _check_motors(motors: JointMotors, joint_names: Sequence[str], urdf_effort: Sequence[float]) -> JointMotors:
     update = {}
-    for field in ("effort", "lag", "viscous", "coulomb"):
+    for field in ("effort", "lag", "viscous", "coulomb", *(() if motors.brake is None else ("brake",))):
         key = f"actuators.joints.{field}"
         default = urdf_effort if field == "effort" else [0.0] * len(joint_names)
         values = expand(getattr(motors, field), joint_names, key, default).tolist()
@@ -95,6 +95,14 @@ def _check_thrusters(thrusters: Thrusters, key: str) -> None:
 def _check_limit(actuator: IdealTorque | Thrusters, key: str) -> None:
     if min(actuator.limit) < 0.0:
         raise SpecError("limit is negative", key=f"{key}.limit", value=actuator.limit, accepted=">= 0 per axis")
+
+
+def brake_torque(robot: Robot) -> Vector:
+    """(n,) torque that the joints' brakes can hold [N m or N]; 0 where there is none."""
+    brake = robot.actuators.joints.brake
+    if brake is None:
+        return np.zeros(robot.n)
+    return expand(brake, robot.joint_names, "actuators.joints.brake", [0.0] * robot.n)
 
 
 def command_limit(robot: Robot) -> Vector:

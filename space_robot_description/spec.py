@@ -6,7 +6,16 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, NonNegativeFloat, PositiveFloat
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    NonNegativeFloat,
+    PositiveFloat,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
 from pydantic_core import CoreSchema
 
 from space_robot_description.frozen import frozen
@@ -98,6 +107,14 @@ class JointMotors(Strict):
     coulomb_velocity: PositiveFloat = Field(
         default=1e-3, description="rate at which Coulomb friction reaches tanh(1) of its value [rad/s]"
     )
+    brake: PerJoint | None = Field(
+        default=None, description="torque that the joint's brake can hold [N m or N]; 0 or null: it has none"
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # A robot without brakes is, to the byte, what it was before there were any.
+        return {key: value for key, value in handler(self).items() if key != "brake" or value is not None}
 
 
 class IdealTorque(Strict):

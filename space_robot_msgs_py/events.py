@@ -13,6 +13,8 @@ from space_robot_msgs_py.errors import LayoutError
 PUBLISHERS = "publishers"
 # States were answered too late for the answers to act, or to be in the log.
 LATE = "late"
+# The law of the experiment had no answer: it is reset, and that of another mode answers.
+LAW_FAILED = "law_failed"
 # What a recorder adds to the events of a controller.
 RECORDED = frozenset((PUBLISHERS, LATE))
 
@@ -24,7 +26,8 @@ class ControllerEvent:
     Attributes:
         stamp: of the first command it acts on [ns].
         kind: ``parameters`` (content ``values``: what ``Tunable.tune`` was given), ``switch`` (``from``, ``to``),
-            ``reset`` (of the law, because states passed unanswered), ``PUBLISHERS`` (``topic``, ``nodes``) or
+            ``reset`` (of the law, because states passed unanswered), ``LAW_FAILED`` (``law``, ``reason``, and ``to``,
+            the mode whose law answers), ``PUBLISHERS`` (``topic``, ``nodes``) or
             ``LATE`` (``stamps`` of states that were answered, too late for the answers to be in the log): these two
             the recorder adds, and they change no answer at their stamp.
         content: plain data.

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -215,6 +215,7 @@ class Supervision:
         answer: stamp of the newest answer of the controller that was known [ns]; -1: none.
         events: what was found at this stamp, and what was done about it.
         housekeeping: a summary, where one is due.
+        brakes: the brakes of all joints are closed.
     """
 
     stamp: int
@@ -225,6 +226,7 @@ class Supervision:
     answer: int = -1
     events: tuple[DiagnosticEvent, ...] = ()
     housekeeping: Telemetry | None = None
+    brakes: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,6 +327,14 @@ class Plant(Protocol):
 
     def step(self, command: Command | None) -> PlantSample:
         """Advance one control period under the command (None: the defined hold) and show the state at its end."""
+
+
+@runtime_checkable
+class BrakedPlant(Protocol):
+    """A plant whose joints have brakes."""
+
+    def close_brakes(self, closed: bool) -> None:
+        """Close all of them, or open them, from the next step on."""
 
 
 class ReferenceSource(Protocol):

@@ -41,6 +41,7 @@ class CommandHold:
     def __init__(self, joints: int, *, delay_periods: Literal[0, 1], hold: Hold) -> None:
         self._joints, self._delay = joints, delay_periods
         self._patience: float = hold.last_for if isinstance(hold, HoldFor) else inf if hold == "last" else 0
+        self._brakes = isinstance(hold, HoldFor) and hold.brakes
         self._nothing = Acting(np.zeros(6 + joints), NO_COMMAND)
         self.reset()
 
@@ -49,6 +50,11 @@ class CommandHold:
         self.held = self._waiting = self._nothing
         self._missing = 0
         return self._nothing
+
+    @property
+    def brakes(self) -> bool:
+        """The brakes close because there was no usable command for too long."""
+        return self._brakes and self._missing > self._patience
 
     def take(self, command: Command | None) -> Acting:
         """What acts in the period that begins with this command (None: the hold).

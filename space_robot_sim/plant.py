@@ -8,16 +8,17 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_description.actuation import command_limit
+from space_robot_description.actuation import brake_torque, command_limit
 from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
+from space_robot_sim.brakes import JointBrakes, stop
 from space_robot_sim.capture import FreeBody, RobotChange, catch
 from space_robot_sim.command_hold import Acting, CommandHold
 from space_robot_sim.command_monitor import CommandMonitor
-from space_robot_sim.faults.actuation import ActuationStage, brake
+from space_robot_sim.faults.actuation import ActuationStage
 from space_robot_sim.faults.joints import JointFriction
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.faults.sensing import SensorStage
@@ -51,6 +52,7 @@ class SimulatedRobot:
         changes: the robots that run in the course of a run, in order.
         faults: what goes wrong with its actuators and sensors, and the events that say so.
         monitor: what is checked of commands before they act; None: nothing.
+        braked: the brakes of its joints may close, see ``close_brakes``; what they do is in the telemetry.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -70,6 +72,7 @@ class SimulatedRobot:
         changes: Sequence[RobotChange] = (),
         faults: FaultPlan | None = None,
         monitor: MonitorSpec | None = None,
+        braked: bool = False,
     ) -> None:
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
@@ -84,7 +87,9 @@ class SimulatedRobot:
         self._healthy = self._arrays = robot_arrays(robot.model, motor_numbers(robot))
         self._able = capability(robot, control_period)
         self._plan = faults or FaultPlan((), control_period, 0)
-        self._actuation = ActuationStage(self._plan, robot.joint_names, self._able, self._seconds)
+        self._brake_torque = brake_torque(robot)
+        self._brakes = JointBrakes(self._seconds) if braked else None
+        self._actuation = ActuationStage(self._plan, robot.joint_names, self._able, self._brake_torque, self._seconds)
         self._wire = CommandWire(self._plan)
         sensors = sensors or SensorSpec()
         check_wheels(sensors, robot)
@@ -94,11 +99,17 @@ class SimulatedRobot:
         self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors, robot.n, control_period, seed)
-        self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4")
+        self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4", braked=braked)
         self._memory = plant_memory(robot.n, self._wheels.size)
         if self._compiled:
             sizes = np.zeros(6 + robot.n), self._seconds, self._memory, True
             self._advance_kernel = bound(advance, self._arrays, self._able, self._how, *sizes)
+        self._allocate = allocate
+        if self._compiled and braked:
+            # Before the run: a paced one would stand still while its first brake closes.
+            plant = self._memory
+            given = np.zeros(6 + robot.n), self._seconds, plant.wheels, plant.allocation
+            self._allocate = bound(allocate, self._able, *given)
         self.reset()
 
     def reset(self) -> PlantSample:
@@ -116,8 +127,13 @@ class SimulatedRobot:
         self._able = self._actuation.reset()
         self._wire.reset()
         self._sensing.reset()
+        self._closed, self._braking = False, [0.0] * (self._n if self._brakes is not None else 0)
         self._switch_models()
         return self._show(nothing)
+
+    def close_brakes(self, closed: bool) -> None:
+        """Close the brakes of all joints, or open them, from the next step on."""
+        self._closed = closed
 
     def step(self, command: Command | None) -> PlantSample:
         """Advance one control period under the command (None: the hold) and show the state at its end.
@@ -131,7 +147,11 @@ class SimulatedRobot:
         if self._wire.faulty:
             command = self._wire.carry(self._stamp // self._period, command)
         acting = self._hold.take(self._monitor.check(command))
-        status = self._advance(self._with_faults(acting.u) if self._plan.planned else acting.u)
+        u = acting.u
+        # Brakes that were closed have to be opened, too.
+        if self._plan.planned or self._closed or self._hold.brakes or any(self._braking):
+            u = self._with_faults(u)
+        status = self._advance(u)
         self._stamp += self._period
         if status != DONE:
             raise self._failure(status)
@@ -168,18 +188,34 @@ class SimulatedRobot:
     def _with_faults(self, command: Vector) -> Vector:
         """What the faults of this tick leave of a command; they also change actuators, motors and brakes."""
         acts = self._actuation.at(self._stamp // self._period, command, self._memory.wheels, self._healthy)
-        self._able = acts.able
-        if acts.arrays is not self._arrays:
-            held = acts.arrays.tree[1:, LOCKED]
-            if np.any(held > self._arrays.tree[1:, LOCKED]):
-                self._stop_joints(held)
-            self._use(acts.arrays)
+        self._able, arrays = acts.able, acts.arrays
+        held = arrays.tree[1:, LOCKED]
+        if arrays is not self._arrays and np.any(held > self._arrays.tree[1:, LOCKED]):
+            self._stop_joints(held)
+        if self._brakes is not None:
+            arrays = self._brake(self._brakes, arrays, acts.command, acts.brakes)
+        if arrays is not self._arrays:
+            self._use(arrays)
         return acts.command
+
+    def _brake(self, brakes: JointBrakes, arrays: RobotArrays, command: Vector, torque: Vector) -> RobotArrays:
+        """The robot with its brakes as they are in the period that begins."""
+        fitted = self._brake_torque > 0.0
+        if not (self._closed or self._hold.brakes):
+            self._braking = [0.0] * self._n
+            return arrays
+        self._allocate(self._able, command, self._seconds, self._memory.wheels, self._memory.allocation)
+        found = brakes.act(self._model, arrays, self._memory, torque)
+        y, n = self._memory.y, self._n
+        y[7 + n : 13 + 2 * n] = found.velocity
+        y[13 + 2 * n] += found.work
+        self._braking = np.where(fitted, np.where(found.held, 1.0, -1.0), 0.0).tolist()
+        return found.arrays
 
     def _stop_joints(self, held: npt.NDArray[np.int64]) -> None:
         """Brakes take the speed out of joints; their work counts as that of everything applied."""
         y, n = self._memory.y, self._n
-        y[7 + n : 13 + 2 * n], work = brake(self._model, y[: 7 + n], y[7 + n : 13 + 2 * n].copy(), held)
+        y[7 + n : 13 + 2 * n], work = stop(self._model, y[: 7 + n], y[7 + n : 13 + 2 * n].copy(), held)
         y[13 + 2 * n] += work
 
     def _advance(self, acting: Vector, *, start: bool = False) -> int:
@@ -202,7 +238,7 @@ class SimulatedRobot:
         y, gauges = plant.y, plant.gauges
         wheels = self._able.axes @ plant.wheels if self._reads_wheels else None
         truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:], wheels)
-        state, telemetry = self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant)
+        state, telemetry = self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant, self._braking)
         found = self._monitor.events(self._stamp)
         if not self._plan.planned:
             return PlantSample(state, telemetry, events=found)

@@ -99,6 +99,11 @@ class HoldFor(Strict):
     """What acts when no usable command is there: the last one for some periods, then nothing."""
 
     last_for: PositiveInt = Field(description="control periods without a usable command in which the last one acts")
+    brakes: bool = Field(default=False, description="then the joints' brakes close, until a usable command is there")
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {key: value for key, value in handler(self).items() if key != "brakes" or value}
 
 
 Hold = Literal["last", "zero"] | HoldFor

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Telemetry
 from space_robot_sim.command_hold import Acting
 from space_robot_sim.kernel.period import PlantMemory
+
+BRAKES = "brakes"
 
 
 class PlantTelemetry:
@@ -18,15 +22,17 @@ class PlantTelemetry:
     angular), ``energy_residual``, ``quaternion_residual``, ``wheel_momentum`` (robots with wheels), ``applied_wrench``
     (6, mean), ``applied_effort`` (n, mean), ``saturation`` (6+n, 0 or 1), ``joint_limit`` (n, how far outside [rad or
     m]), ``command_stamp`` (of the command that acted [ns], -1: none), ``force_ignored`` (free-floating robots: 1 if a
-    force was commanded), ``integration_error`` (estimated errors of all steps so far, summed [m or rad]).
+    force was commanded), ``integration_error`` (estimated errors of all steps so far, summed [m or rad]), ``brakes``
+    (n, only where brakes may close: in the last period 1 closed and holding, -1 closed and slipping, 0 open or none).
 
     Args:
         robot: the true robot.
         wheels: number of its reaction wheels.
         estimated: the integration estimates its error.
+        braked: brakes may close.
     """
 
-    def __init__(self, robot: Robot, wheels: int, *, estimated: bool = True) -> None:
+    def __init__(self, robot: Robot, wheels: int, *, estimated: bool = True, braked: bool = False) -> None:
         n = robot.n
         blocks = {
             "true_configuration": 7 + n,
@@ -46,11 +52,13 @@ class PlantTelemetry:
         self._estimated = estimated
         if estimated:
             blocks["integration_error"] = 1
+        if braked:
+            blocks[BRAKES] = n
         self._labels, self._sizes = tuple(blocks), tuple(blocks.values())
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
-    def of(self, stamp: int, acting: Acting, plant: PlantMemory) -> Telemetry:
-        """Telemetry at a stamp [ns] after a period under the command ``acting``."""
+    def of(self, stamp: int, acting: Acting, plant: PlantMemory, brakes: Sequence[float] = ()) -> Telemetry:
+        """Telemetry at a stamp [ns] after a period under the command ``acting``, with what the brakes did (n,)."""
         # On Python floats: at this size several times faster than on arrays.
         joints = plant.y[7 : 7 + self._n].tolist()
         rest = [max(low - x, x - high, 0.0) for x, (low, high) in zip(joints, self._limits, strict=True)]
@@ -59,6 +67,7 @@ class PlantTelemetry:
             rest.append(float(any(acting.u[:3].tolist())))
         if self._estimated:
             rest.append(float(plant.scratch.error[0]))
+        rest += brakes
         parts = (
             plant.y[: 13 + 2 * self._n],
             plant.now[:7],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import Literal
 
-from space_robot_supervisor.table import MonitorSpec
+from space_robot_supervisor.rows import MonitorSpec
 
 Edge = Literal["fires", "clears"]
 
@@ -19,13 +19,17 @@ class Monitor:
     Attributes:
         spec: its row.
         seen: the value at the last look; None: there was none.
+        low: nearly always nothing is the matter, and that is all there is to do: a value from here to ``high`` of a
+            monitor that is ``calm`` changes nothing but ``seen``, and need not be looked at.
+        high: see there.
+        calm: see there.
     """
 
-    __slots__ = ("_count", "_fired", "_high", "_inhibited", "_low", "_restless", "seen", "spec")
+    __slots__ = ("_count", "_fired", "_inhibited", "_left", "calm", "high", "low", "seen", "spec")
 
     def __init__(self, spec: MonitorSpec) -> None:
         self.spec = spec
-        self._low, self._high = (
+        self.low, self.high = (
             -inf if spec.below is None else spec.below,
             inf if spec.above is None else spec.above,
         )
@@ -34,25 +38,22 @@ class Monitor:
     def reset(self) -> None:
         """Forget everything, as at the start of a run."""
         self._inhibited = 0
+        self._left: float = inf if self.spec.times is None else self.spec.times
         self.enter()
 
     def enter(self) -> None:
         """Begin to count again, as when another mode begins."""
         self._count, self._fired = 0, False
-        self._restless = self.spec.unchanged or self._inhibited > 0
+        self.calm = not (self.spec.unchanged or self._inhibited)
         self.seen: float | None = None
 
     def look(self, value: float | None) -> Edge | None:
         """Look at the value of a tick; whether it fires or clears now.
 
-        It fires at the last of ``for`` periods in a row, and again only after its condition has ended.
+        It fires at the last of ``for`` periods in a row, and again only after that has ended, at most ``times``.
         """
-        # Nearly always nothing is the matter, and that is all there is to do.
-        if not self._restless and value is not None and self._low <= value <= self._high:
-            self.seen = value
-            return None
         edge = self._look_closer(value)
-        self._restless = self.spec.unchanged or self._fired or self._count > 0 or self._inhibited > 0
+        self.calm = not (self.spec.unchanged or self._fired or self._count or self._inhibited)
         return edge
 
     def _look_closer(self, value: float | None) -> Edge | None:
@@ -66,9 +67,9 @@ class Monitor:
             self._count, self._fired = 0, False
             return "clears"
         self._count = self._count + 1 if self._holds(before) else 0
-        if self._count < self.spec.for_:
+        if self._count < self.spec.for_ or not self._left:
             return None
-        self._fired, self._inhibited = True, self.spec.inhibit_after
+        self._fired, self._inhibited, self._left = True, self.spec.inhibit_after, self._left - 1
         return "fires"
 
     def _holds(self, before: float | None, slack: float = 0.0) -> bool:

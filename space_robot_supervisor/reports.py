@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from space_robot_msgs_py.events import ERROR, OK, WARN, DiagnosticEvent
 from space_robot_msgs_py.interfaces import Acknowledgement
 from space_robot_supervisor.monitors import Edge, Monitor
-from space_robot_supervisor.table import RESERVED, Severity
+from space_robot_supervisor.rows import RESERVED, Severity
 
 LEVELS: dict[Severity, int] = {"info": OK, "low": WARN, "medium": WARN, "high": ERROR}
 # Names of the events that are no monitor's.

@@ -10,7 +10,8 @@ from space_robot_msgs_py.interfaces import NANOSECONDS, Acknowledgement, Supervi
 from space_robot_supervisor import reports
 from space_robot_supervisor.monitors import Monitor
 from space_robot_supervisor.plan import Plan
-from space_robot_supervisor.table import COMMANDS, SEVERITIES, Severity, SupervisionTable, mode_of
+from space_robot_supervisor.rows import COMMANDS, SEVERITIES, Severity
+from space_robot_supervisor.table import SupervisionTable, mode_of
 from space_robot_supervisor.values import COUNTS, TELEMETRY, WHEELS, Snapshot, Value, value_of
 
 
@@ -107,7 +108,9 @@ class Supervisor:
             events, self._found = tuple(self._found), []
             self._reported += len(events)
         answer = -1 if now.command is None else now.command.stamp
-        return Supervision(stamp, self.mode, self._law, self._policy, self._since, answer, events, summary)
+        return Supervision(
+            stamp, self.mode, self._law, self._policy, self._since, answer, events, summary, self._brakes
+        )
 
     def _watch(self, mode: str) -> tuple[list[Value], list[tuple[Monitor, int]]]:
         """What is read in a mode, each value once, and which monitors look at which of them."""
@@ -120,7 +123,11 @@ class Supervisor:
         values = [read(now) for read in reads]
         leading: Monitor | None = None
         for monitor, place in watching:
-            edge = monitor.look(values[place])
+            value = values[place]
+            if monitor.calm and value is not None and monitor.low <= value <= monitor.high:
+                monitor.seen = value
+                continue
+            edge = monitor.look(value)
             if edge is None:
                 continue
             self._found.append(reports.edge(now.state.stamp, monitor, edge))
@@ -190,7 +197,7 @@ class Supervisor:
 
     def _enter(self, mode: str, stamp: int) -> None:
         self.mode, self._since, spec = mode, stamp, self._table.modes[mode]
-        self._law, self._policy = spec.law, spec.reference
+        self._law, self._policy, self._brakes = spec.law, spec.reference, spec.brakes
         for monitor in self._monitors:
             monitor.enter()
 

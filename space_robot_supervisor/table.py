@@ -3,131 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self
+from typing import Any
 
-from pydantic import (
-    Field,
-    NonNegativeFloat,
-    NonNegativeInt,
-    PositiveFloat,
-    PositiveInt,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Field, NonNegativeFloat, SerializerFunctionWrapHandler, model_serializer
 
 from space_robot_description.spec import Strict, Title
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
-
-# What a mode says for the law of the experiment.
-CONTROLLER = "controller"
-Severity = Literal["info", "low", "medium", "high"]
-SEVERITIES: tuple[Severity, ...] = ("info", "low", "medium", "high")
-# Commands of the ground, and by the mode's name in capitals what they lead to.
-COMMANDS = ("standby", "nominal", "hold", "safe", "stop")
-GroundCommand = Literal["standby", "nominal", "hold", "safe", "stop"]
-ReferencePolicy = Literal["follow", "freeze", "here"]
-REFERENCES: tuple[ReferencePolicy, ...] = ("follow", "freeze", "here")
-Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^\w[\w.-]*$")]
-
-
-# Names of events that are no monitor's.
-RESERVED = ("mode", "command", "sequence")
-# Keys that older tables do not have: where they say nothing a log has nothing of them.
-LATER = ("schedule", "sequences", "housekeeping")
-
-
-class ModeSpec(Strict):
-    """What runs in a mode."""
-
-    law: str = Field(default=CONTROLLER, description="`controller`: the experiment's; or the name of a law")
-    gains: dict[str, Any] = Field(default_factory=dict, description="of that law; not of `controller`")
-    reference: ReferencePolicy = Field(
-        default="follow",
-        description="guidance's; its value at the entry, at rest; the measured configuration at the entry",
-    )
-    from_: tuple[Name, ...] = Field(
-        default=(),
-        alias="from",
-        description="modes from which commands, schedule and sequences lead here; default: all",
-    )
-
-    @model_serializer(mode="wrap")
-    def _said_as_typed(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        said = as_typed(handler(self))
-        return said if self.from_ else {key: value for key, value in said.items() if key != "from"}
-
-    @model_validator(mode="after")
-    def _gains_of_a_law(self) -> Self:
-        if self.law == CONTROLLER and self.gains:
-            raise ValueError("gains of `controller` stand in the experiment")
-        return self
-
-
-class MonitorSpec(Strict):
-    """One row: a condition on one value, and what it leads to."""
-
-    name: Name = Field(description="what its events are called")
-    value: str = Field(description="what it reads")
-    above: float | None = Field(default=None, description="it is more than this, in the value's unit")
-    below: float | None = Field(default=None, description="it is less than this, in the value's unit")
-    unchanged: bool = Field(default=False, description="it is what it was at the tick before, to the bit")
-    hysteresis: NonNegativeFloat = Field(
-        default=0.0, description="how far back the value must be before the condition has ended, in the value's unit"
-    )
-    for_: PositiveInt = Field(
-        default=1, alias="for", description="control periods in a row that the condition must hold"
-    )
-    in_: tuple[Name, ...] = Field(default=(), alias="in", description="modes in which it is looked at; default: all")
-    severity: Severity = Field(default="medium", description="of its event; of several that fire the highest decides")
-    to: Name | None = Field(default=None, description="mode that it leads to; null: only the event")
-    start: Name | None = Field(default=None, description="sequence that it starts; null: none")
-    inhibit_after: NonNegativeInt = Field(default=0, description="control periods without it after it fired")
-
-    @model_serializer(mode="wrap")
-    def _said_as_typed(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        said = as_typed(handler(self))
-        return said if self.start else {key: value for key, value in said.items() if key != "start"}
-
-    @model_validator(mode="after")
-    def _one_condition(self) -> Self:
-        bounded = self.above is not None or self.below is not None
-        if bounded == self.unchanged:
-            raise ValueError("say above, below or both (outside of a band), or unchanged: true")
-        if self.above is not None and self.below is not None and self.below > self.above:
-            raise ValueError("below must not be more than above: every value would be outside")
-        if self.unchanged and self.hysteresis:
-            raise ValueError("hysteresis is for above and below")
-        return self
-
-
-class ScheduleStep(Strict):
-    """What is done at a time of the run."""
-
-    at: NonNegativeFloat = Field(description="time of the run; it acts at the first tick at or after [s]")
-    do: GroundCommand | None = Field(default=None, description="command, as the ground gives it")
-    start: Name | None = Field(default=None, description="sequence that is started")
-
-    @model_validator(mode="after")
-    def _one_thing(self) -> Self:
-        if (self.do is None) == (self.start is None):
-            raise ValueError("give do or start, one of them")
-        return self
-
-
-class SequenceStep(Strict):
-    """What is done some time after a sequence was started."""
-
-    after: NonNegativeFloat = Field(description="time since the start of the sequence [s]")
-    do: GroundCommand = Field(description="command, as the ground gives it")
-
-
-class HousekeepingSpec(Strict):
-    """What is summed up for the ground, and how often."""
-
-    period: PositiveFloat = Field(default=10.0, description="multiple of the control period [s]")
-    values: tuple[str, ...] = Field(default=(), max_length=200, description="values, as monitors read them")
+from space_robot_supervisor.rows import (
+    COMMANDS,
+    CONTROLLER,
+    LATER,
+    RESERVED,
+    HousekeepingSpec,
+    ModeSpec,
+    MonitorSpec,
+    Name,
+    ScheduleStep,
+    SequenceStep,
+    said,
+)
 
 
 class SupervisionTable(Strict):
@@ -139,6 +34,11 @@ class SupervisionTable(Strict):
         default=0.0, description="how long the last command of the law before fades out when a mode brings another [s]"
     )
     modes: dict[Name, ModeSpec] = Field(min_length=1)
+    fallback: Name | None = Field(
+        default=None,
+        description="mode whose law answers a state to which the law of the experiment has no answer, which is then "
+        "reset; null: the run ends",
+    )
     monitors: tuple[MonitorSpec, ...] = Field(default=(), max_length=1_000)
     schedule: tuple[ScheduleStep, ...] = Field(
         default=(), max_length=1_000, description="what is done when, in the order of time"
@@ -150,7 +50,7 @@ class SupervisionTable(Strict):
 
     @model_serializer(mode="wrap")
     def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {key: value for key, value in handler(self).items() if key not in LATER or value}
+        return said(handler(self), LATER)
 
     def check(self, key: str) -> None:
         """Refuse what contradicts itself.
@@ -162,6 +62,7 @@ class SupervisionTable(Strict):
             SpecError: a mode that is not there or is never reached, a name twice, transitions that contradict.
         """
         self._check_mode(self.start, f"{key}.start")
+        self._check_fallback(f"{key}.fallback")
         names = [row.name for row in self.monitors]
         for index, row in enumerate(self.monitors):
             place = f"{key}.monitors.{index}"
@@ -183,9 +84,22 @@ class SupervisionTable(Strict):
         self._check_steps(key)
         self._check_reachable(key)
 
+    @property
+    def brakes(self) -> bool:
+        """Some mode closes the brakes of the joints."""
+        return any(mode.brakes for mode in self.modes.values())
+
     def modes_of(self, row: MonitorSpec) -> tuple[str, ...]:
         """In which modes a row is looked at."""
         return row.in_ or tuple(mode for mode in self.modes if mode != row.to)
+
+    def _check_fallback(self, key: str) -> None:
+        if self.fallback is None:
+            return
+        self._check_mode(self.fallback, key)
+        if self.modes[self.fallback].law == CONTROLLER:
+            accepted = "a mode with a law of its own"
+            raise SpecError("has the law that fails", key=key, value=self.fallback, accepted=accepted)
 
     def _check_steps(self, key: str) -> None:
         for name, mode in self.modes.items():
@@ -264,11 +178,6 @@ class SupervisionTable(Strict):
 def mode_of(command: str) -> str:
     """The mode that a command of the ground leads to."""
     return command.upper()
-
-
-def as_typed(fields: dict[str, Any]) -> dict[str, Any]:
-    """Words of Python: the fields have other names, files do not."""
-    return {{"for_": "for", "in_": "in", "from_": "from"}.get(key, key): value for key, value in fields.items()}
 
 
 def _overlap(first: MonitorSpec, second: MonitorSpec) -> bool:

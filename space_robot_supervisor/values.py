@@ -95,12 +95,15 @@ def values_of(robot: Robot, limit: Vector) -> dict[str, Value]:
     found: dict[str, Value] = {
         "base.rate": lambda now: _norm(*now.v[3:6]),
         "base.speed": lambda now: _norm(*now.v[:3]),
-        "joints.rate": lambda now: max(map(abs, now.v[6:]), default=0.0),
+        "joints.rate": _joint_rate(robot.n),
         "error.position": lambda now: _norm(*map(sub, now.q_d[:3], now.q)),
         "error.attitude": lambda now: _angle(now.q[3:7], now.q_d[3:7]),
         "error.joints": lambda now: max(map(abs, map(sub, now.q_d[7:], now.q[7:])), default=0.0),
         "command.saturation": lambda now: None if now.command is None else _saturated(now.command, bounds),
     }
+    ends = _ends(robot)
+    if ends:
+        found["joints.margin"] = _margin(ends)
     if isinstance(robot.actuators.base_torque, ReactionWheels):
         found[WHEELS] = lambda now: None if now.wheels is None else _norm(*now.wheels.tolist())
     parts = {"position": (0, _XYZ), "attitude": (3, (*_XYZ, "w")), "joint.position": (7, robot.joint_names)}
@@ -110,6 +113,29 @@ def values_of(robot: Robot, limit: Vector) -> dict[str, Value]:
     for part, (first, names) in rates.items():
         found |= {f"{part}.{name}": _rate(first + index) for index, name in enumerate(names)}
     return found
+
+
+def _joint_rate(joints: int) -> Value:
+    def read(now: Snapshot) -> float:
+        rates = now.v[6:]
+        # Zero first: of equal ones the first counts, and a magnitude is no negative zero.
+        return max(0.0, max(rates), -min(rates))
+
+    return read if joints else lambda now: 0.0
+
+
+def _margin(ends: Sequence[tuple[int, float, float]]) -> Value:
+    def read(now: Snapshot) -> float:
+        q = now.q
+        return min([q[i] - low if q[i] - low < high - q[i] else high - q[i] for i, low, high in ends])
+
+    return read
+
+
+def _ends(robot: Robot) -> list[tuple[int, float, float]]:
+    """Place in a configuration, lower and upper limit of every joint that has one."""
+    limits = zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)
+    return [(7 + i, low, high) for i, (low, high) in enumerate(limits) if isfinite(low) or isfinite(high)]
 
 
 def _position(index: int) -> Value:
@@ -163,7 +189,7 @@ class _Block:
 
 def _saturated(command: Command, bounds: Sequence[tuple[int, float]]) -> float:
     u = command.wrench.tolist() + command.effort.tolist()
-    return float(sum([abs(u[index]) >= most for index, most in bounds]) / len(bounds))
+    return len([1 for index, most in bounds if not -most < u[index] < most]) / len(bounds)
 
 
 def _angle(q: Sequence[float], desired: Sequence[float]) -> float:

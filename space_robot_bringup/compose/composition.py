@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
-from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts
+from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes
 from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
@@ -105,6 +105,11 @@ class Composition:
         return tuple(topic for topic, section in wanted.items() if section is not None)
 
     @property
+    def braked(self) -> bool:
+        """The supervisor may close the brakes of the joints."""
+        return self.experiment.supervision is not None and self.experiment.supervision.brakes
+
+    @property
     def loses_commands(self) -> bool:
         """Faults keep commands from the plant: what acted does not tell what was sent."""
         return self.faults is not None and CommandWire(self.faults).faulty
@@ -133,7 +138,7 @@ class Composition:
         """A new plant in its initial state."""
         seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
         initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
-        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults)
+        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults, self.braked)
         return PLANTS[spec.kind].make(spec, parts)
 
     def controller(self) -> Law:
@@ -237,6 +242,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
     nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
     truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
+    check_brakes(experiment, truth)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)

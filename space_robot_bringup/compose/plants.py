@@ -8,11 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.experiment.plant import AirbearingPlant, CapturedPlant, PlantSpec, PlantTiming
 from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
+from space_robot_description.actuation import brake_torque
 from space_robot_description.payload import attach_payload
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
+from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
 from space_robot_sim.capture import RobotChange, free_body
 from space_robot_sim.faults.plan import FaultPlan
@@ -21,7 +24,7 @@ from space_robot_sim.grasp.captured import CapturedDebris, capability
 from space_robot_sim.grasp.plant import grasp_joints, whole_steps
 from space_robot_sim.initial import InitialState, RunConditions
 from space_robot_sim.sensors import Sensors, check_wheels
-from space_robot_sim.spec import fixed_steps, method
+from space_robot_sim.spec import HoldFor, fixed_steps, method
 
 Changes = tuple[RobotChange, ...]
 
@@ -37,6 +40,7 @@ class PlantParts:
         seed: of everything random in the plant.
         changes: the true robots of the course of the run, in order.
         faults: what goes wrong; None: nothing.
+        braked: a supervisor may close the brakes of the joints.
     """
 
     truth: Robot
@@ -45,6 +49,7 @@ class PlantParts:
     seed: int
     changes: Changes
     faults: FaultPlan | None = None
+    braked: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +83,30 @@ def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
         changes=parts.changes,
         faults=parts.faults,
         monitor=spec.monitor,
+        braked=parts.braked or brakes_when_silent(spec),
     )
+
+
+def brakes_when_silent(spec: PlantTiming) -> bool:
+    """The brakes of the joints close where commands are missing."""
+    return isinstance(spec.hold, HoldFor) and spec.hold.brakes
+
+
+def check_brakes(experiment: Experiment, truth: Robot) -> None:
+    """Refuse to close brakes that are not there.
+
+    Raises:
+        SpecError: the message names the key.
+    """
+    table = experiment.supervision
+    modes = {} if table is None else table.modes
+    wanted = [f"supervision.modes.{name}.brakes" for name, mode in modes.items() if mode.brakes]
+    wanted += ["plant.hold.brakes"] if brakes_when_silent(experiment.plant) else []
+    if not wanted:
+        return
+    if experiment.plant.kind != "articulated" or not brake_torque(truth).any():
+        accepted = "an articulated robot with actuators.joints.brake"
+        raise SpecError("the robot has no brakes", key=wanted[0], value=True, accepted=accepted)
 
 
 def _captures(spec: PlantSpec, truth: Robot, control_period: float) -> Changes:

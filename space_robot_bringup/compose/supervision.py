@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -19,12 +19,12 @@ from space_robot_control.wheel_momentum import WheelMomentum
 from space_robot_description.actuation import command_limit
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
-from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.events import DiagnosticEvent
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.events import LAW_FAILED, DiagnosticEvent
 from space_robot_msgs_py.interfaces import Acknowledgement, ControlOutput, Reference, RobotState, Supervision
 from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED
+from space_robot_supervisor.rows import CONTROLLER, REFERENCES
 from space_robot_supervisor.supervisor import Supervisor
-from space_robot_supervisor.table import CONTROLLER, REFERENCES
 from space_robot_supervisor.values import COUNTS, Snapshot
 
 KEY = "supervision"
@@ -44,6 +44,8 @@ class ModeController(Switching):
         laws: of the experiment first, then of the modes, by the modes' names.
         modes: by the name of a mode that has a law of its own the name of that law.
         handover: see ``Switching``.
+        forgetful: modes in which a law that takes over has forgotten what it learned.
+        fallback: mode whose law answers where that of the experiment cannot; None: its error ends the run.
     """
 
     def __init__(
@@ -54,8 +56,12 @@ class ModeController(Switching):
         *,
         modes: Mapping[str, str],
         handover: float,
+        forgetful: Collection[str] = (),
+        fallback: str | None = None,
     ) -> None:
         self._first_law, self._mode_laws = next(iter(laws)), dict(modes)
+        self._forgetful, self._fallback = frozenset(forgetful), fallback
+        self._mark_labels = () if fallback is None else (LAW_FAILED,)
         self._decision: Supervision | None = None
         super().__init__(robot, control_period, laws, handover=handover)
 
@@ -63,6 +69,7 @@ class ModeController(Switching):
         """Back to the law of the experiment; all laws are reset."""
         super().reset()
         self._held: tuple[str, int, Reference] | None = None
+        self._failed = False
 
     def check_decision(self, decision: Supervision) -> None:
         """Refuse what this controller does not have.
@@ -90,7 +97,30 @@ class ModeController(Switching):
             self._requested = self._first_law if decision.law == CONTROLLER else decision.mode
             if decision.reference != "follow":
                 reference = self._hold(decision, state, reference)
+            if self._requested != self._active and decision.mode in self._forgetful:
+                self._reset_law(self._requested)
+        self._failed = False
+        try:
+            return super().control(state, reference)
+        except Exception as error:
+            if self._fallback is None or self._active != self._first_law:
+                raise
+            self._fall_back(self._fallback, error)
         return super().control(state, reference)
+
+    def _fall_back(self, mode: str, error: Exception) -> None:
+        """Let the law of that mode answer; the one that failed begins again where it is used again."""
+        reason = str(error) if isinstance(error, SpaceRobotError) else f"{type(error).__name__}: {error}"
+        self.add_event(LAW_FAILED, {"law": self._active, "reason": reason, "to": mode})
+        self._reset_law(self._active)
+        self._requested, self._failed = mode, True
+
+    def _reset_law(self, name: str) -> None:
+        self.laws[name].reset()
+        self._share_wheels()
+
+    def _marks(self) -> tuple[float, ...]:
+        return () if self._fallback is None else (float(self._failed),)
 
     def _hold(self, decision: Supervision, state: RobotState, reference: Reference) -> Reference:
         """What was there at the entry into the mode, at rest."""
@@ -178,7 +208,7 @@ def run_supervisor(experiment: Experiment, robot: Robot, controller: Law, inbox:
     table = experiment.supervision
     assert table is not None
     assert isinstance(controller, Switching)
-    labels = [*ERROR_FIELDS, ACTIVE, HANDOVER]
+    labels = [*ERROR_FIELDS, ACTIVE, HANDOVER, *([] if table.fallback is None else [LAW_FAILED])]
     for name, law in controller.laws.items():
         labels += [f"{name}.{label}" for label in law.telemetry_fields if label not in ERROR_FIELDS]
     counted = getattr(experiment.plant, "monitor", None) is not None
@@ -206,7 +236,10 @@ def supervised(experiment: Experiment, robot: Robot, policy: LawPolicy) -> ModeC
         laws[mode] = make_law(law, robot, period, table.modes[mode].gains, f"{KEY}.modes.{mode}")
     if not modes:
         laws[IDLE] = make_law("none", robot, period)
-    return ModeController(robot, period, laws, modes=modes, handover=table.handover)
+    forgetful = [mode for mode, said in table.modes.items() if said.forget]
+    return ModeController(
+        robot, period, laws, modes=modes, handover=table.handover, forgetful=forgetful, fallback=table.fallback
+    )
 
 
 def check_supervision(experiment: Experiment) -> None:

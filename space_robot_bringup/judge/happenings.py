@@ -9,7 +9,7 @@ from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED
 from space_robot_sim.faults.plan import BEGINS, ENDS, FaultPlan
 from space_robot_supervisor.reports import COMMAND, MODE, SEQUENCE
-from space_robot_supervisor.table import COMMANDS
+from space_robot_supervisor.rows import COMMANDS
 
 FIRES, CLEARS = "fires", "clears"
 ANSWERS = ("accepted", "refused")

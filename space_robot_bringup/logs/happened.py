@@ -17,7 +17,7 @@ from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import EVENTS, FAULTS, PLANT_EVENTS, Topic
-from space_robot_supervisor.table import Severity
+from space_robot_supervisor.rows import Severity
 
 Source = Literal["fault", "plant", "supervisor", "controller"]
 SOURCES: tuple[Source, ...] = get_args(Source)

@@ -31,7 +31,7 @@ from space_robot_msgs_py.log.mcap.salvage import Damage
 from space_robot_msgs_py.log.mcap.summary import Summary, SummaryTopic, read_summary
 from space_robot_msgs_py.log.preamble import END_NAME
 from space_robot_msgs_py.log.reader import LogReader
-from space_robot_supervisor.table import Severity
+from space_robot_supervisor.rows import Severity
 
 # Larger bags are looked at by their index [bytes].
 LARGE = 64 << 20

@@ -101,7 +101,7 @@ def make_node(
         supervised = composition.experiment.supervision is not None
         options |= {"supervised": supervised, "wheels": WHEEL_MOMENTUM in composition.optional_topics}
         return ControllerNode(composition.controller, names, paced=realtime is not None, **options)
-    timing |= optional | {"ahead": ahead}
+    timing |= optional | {"ahead": ahead, "braked": composition.braked}
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )

@@ -13,6 +13,7 @@ from space_robot_bringup.modes.signals import Interrupted
 from space_robot_control.laws.guarded import LawError, guarded_update
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import (
+    BrakedPlant,
     Controller,
     ControlOutput,
     Plant,
@@ -121,6 +122,7 @@ def ticks(
         supervisor.reset()
     found: Supervision | None = None
     output: ControlOutput | None = None
+    brakes = plant if supervisor is not None and isinstance(plant, BrakedPlant) else None
     sample = plant.reset()
     for tick in range(steps + 1):
         at.role = "guidance"
@@ -138,6 +140,8 @@ def ticks(
         yield Tick(sample, target, output, found)
         at.role = "simulator"
         if tick < steps:
+            if brakes is not None and found is not None:
+                brakes.close_brakes(found.brakes)
             sample = plant.step(output.command)
 
 

@@ -8,7 +8,7 @@ from space_robot_bringup.compose.supervision import ModeController
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.switching import Switching
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.events import RECORDED, ControllerEvent, DiagnosticEvent
+from space_robot_msgs_py.events import LAW_FAILED, RECORDED, ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import (
     Acknowledgement,
     ControlOutput,
@@ -30,7 +30,8 @@ def apply_event(law: Law, event: ControllerEvent) -> None:
         SpecError: this law cannot be changed so.
     """
     content = event.content
-    if event.kind in RECORDED:
+    if event.kind in RECORDED or event.kind == LAW_FAILED:
+        # A law that failed fails again by itself.
         return
     if event.kind == "parameters" and isinstance(content.get("values"), dict):
         law.tune(content["values"])

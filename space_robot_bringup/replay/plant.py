@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from itertools import pairwise
 
 from space_robot_bringup.replay.comparison import Tolerance
@@ -12,7 +12,7 @@ from space_robot_bringup.replay.side import SideReplay
 from space_robot_msgs_py.codec.codecs import TickCodec, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import DiagnosticEvent, said
-from space_robot_msgs_py.interfaces import Command, PlantSample
+from space_robot_msgs_py.interfaces import BrakedPlant, Command, PlantSample, Vector
 from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.topics import (
     BASE_ODOM,
@@ -28,6 +28,8 @@ FAILED = "simulator: "
 _SHOWN = (*topics_of("state"), PLANT_TELEMETRY)
 # The block of the plant's telemetry that says which command acted; see PlantTelemetry.
 ACTED = "command_stamp"
+# The one that says whether brakes were closed, see ``space_robot_sim.telemetry``.
+BRAKES = "brakes"
 
 
 def replay_plant(recording: Recording, tolerance: Tolerance) -> Outcome:
@@ -49,6 +51,8 @@ class _PlantReplay(SideReplay):
         self._plant = self._composition.plant()
         self._commands: dict[int, Command] = {}
         self._acted: dict[int, int] = {}
+        # Ends of the periods in which brakes were closed.
+        self._braked: set[int] = set()
         self._judged: dict[int, DiagnosticEvent] = {}
 
     def run(self) -> Outcome:
@@ -68,6 +72,8 @@ class _PlantReplay(SideReplay):
         for (stamp, _), following in pairwise(rows):
             if following[0] != stamp + self._period:
                 return f"states are missing between {stamp} ns and {following[0]} ns: not compared from there on"
+            if isinstance(self._plant, BrakedPlant):
+                self._plant.close_brakes(following[0] in self._braked)
             try:
                 sample = self._plant.step(self._command(stamp))
             except SpaceRobotError as error:
@@ -114,7 +120,9 @@ class _PlantReplay(SideReplay):
                 continue
             except SpaceRobotError:
                 self._notes["commands were refused and are held over"] += 1
-        self._acted = dict(_acted(self._codec, rows))
+        shown = [(stamp, _telemetry(self._codec, parts)) for stamp, parts in rows]
+        self._acted = {stamp: int(blocks[ACTED][0]) for stamp, blocks in shown if ACTED in blocks}
+        self._braked = {stamp for stamp, blocks in shown if BRAKES in blocks and blocks[BRAKES].any()}
         self._judged = {stamp: found for stamp, parts in rows for found in self._recorded(PLANT_EVENTS, parts)}
 
     def _command(self, stamp: int) -> Command | None:
@@ -136,14 +144,8 @@ class _PlantReplay(SideReplay):
         return found
 
 
-def _acted(codec: TickCodec, rows: list[Row]) -> Iterator[tuple[int, int]]:
-    for stamp, parts in rows:
-        telemetry = _telemetry(codec, parts)
-        if ACTED in telemetry:
-            yield stamp, int(telemetry[ACTED])
-
-
-def _telemetry(codec: TickCodec, parts: Mapping[str, bytes]) -> dict[str, float]:
+def _telemetry(codec: TickCodec, parts: Mapping[str, bytes]) -> dict[str, Vector]:
+    """The blocks that say what acted."""
     raw = parts.get(PLANT_TELEMETRY.name)
     if raw is None:
         return {}
@@ -151,4 +153,4 @@ def _telemetry(codec: TickCodec, parts: Mapping[str, bytes]) -> dict[str, float]
         blocks = codec.plant_telemetry.decode((raw,)).items()
     except SpaceRobotError:
         return {}
-    return {label: float(block[0]) for label, block in blocks if label == ACTED and block.size}
+    return {label: block for label, block in blocks if label in (ACTED, BRAKES) and block.size}

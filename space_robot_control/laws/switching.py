@@ -59,6 +59,8 @@ class Switching(Law):
     """
 
     name = "switching"
+    # Labels of numbers in the telemetry that a class derived from this one has beside those above.
+    _mark_labels: tuple[str, ...] = ()
 
     def __init__(
         self,
@@ -178,22 +180,27 @@ class Switching(Law):
         weight = self._weight(state.stamp)
         if weight:
             command = self._command(state.stamp, command.u + weight * self._bump)
+        # What may fail comes before what is remembered.
+        telemetry = self._telemetry(law, blocks, state, reference, weight)
         acting, owner = self._line.acting(command, None if weight else law)
         self.wheels.apply(acting.u, self.control_period)
         for other in self._informed:
             other.on_applied(acting, own=other is owner)
         self._last = command
-        telemetry = self._telemetry(law, blocks, state, reference, weight)
         return ControlOutput(command, telemetry, self.pending_events(state.stamp))
 
     def _telemetry(self, law: Law, blocks: Blocks, state: RobotState, reference: Reference, weight: float) -> Telemetry:
         """All laws' telemetry in one layout; where it cannot be, the active law says why not."""
         assert self._shown is not None
         try:
-            return self._shown.of(self._active, blocks, state, reference, weight)
+            return self._shown.of(self._active, blocks, state, reference, (weight, *self._marks()))
         except (NonFiniteError, ValueError):
             law.telemetry_of(state.stamp, blocks)
             raise
+
+    def _marks(self) -> tuple[float, ...]:
+        """The numbers of ``_mark_labels`` at this state."""
+        return ()
 
     def note_applied(self, command: Command, *, own: bool) -> None:
         """Nothing is left to do: ``control`` knows what acts, and has the laws take note of it."""
@@ -224,7 +231,7 @@ class Switching(Law):
             law.reset()
         self._share_wheels()
         own = {name for name, law in self._laws.items() if ERROR_FIELDS.items() <= law.telemetry_fields.items()}
-        return _Layout(found, own, self.n)
+        return _Layout(found, own, self.n, self._mark_labels)
 
     def _share_wheels(self) -> None:
         """All count the same momentum: once is enough."""
@@ -256,11 +263,14 @@ class _Layout:
         telemetry: of each law, by name.
         own: names of the laws whose telemetry has the errors in the terms of ``ERROR_FIELDS``.
         n: number of joints.
+        marks: labels of single numbers beside.
     """
 
-    def __init__(self, telemetry: Mapping[str, Telemetry], own: Collection[str], n: int) -> None:
+    def __init__(
+        self, telemetry: Mapping[str, Telemetry], own: Collection[str], n: int, marks: Sequence[str] = ()
+    ) -> None:
         errors = dict(zip(ERROR_FIELDS, (3, 3, n, 6, n), strict=True))
-        blocks = errors | {ACTIVE: 1, HANDOVER: 1}
+        blocks = errors | {ACTIVE: 1, HANDOVER: 1} | dict.fromkeys(marks, 1)
         for name, one in telemetry.items():
             blocks |= {f"{name}.{label}": size for label, size in _sizes(one).items() if label not in errors}
         self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
@@ -277,7 +287,7 @@ class _Layout:
             self._rows[name] = index, rows, name in own
         self._counts = {name: len(one.labels) for name, one in telemetry.items()}
 
-    def of(self, name: str, own: Blocks, state: RobotState, reference: Reference, weight: float) -> Telemetry:
+    def of(self, name: str, own: Blocks, state: RobotState, reference: Reference, marks: Sequence[float]) -> Telemetry:
         """All telemetry of a state, of which all but the errors is 0 for the laws that are idle.
 
         Args:
@@ -285,7 +295,7 @@ class _Layout:
             own: its telemetry.
             state: that it answered.
             reference: that it followed.
-            weight: of the handover.
+            marks: weight of the handover, then those that this layout was made with.
 
         Raises:
             NonFiniteError: a number is not finite.
@@ -306,7 +316,9 @@ class _Layout:
         if not has_errors:
             errors, split = tracking_errors(state, reference), self._switch // 2
             data[:split], data[split : self._switch] = errors.configuration, errors.velocity
-        data[self._switch], data[self._switch + 1] = index, weight
+        data[self._switch], data[self._switch + 1] = index, marks[0]
+        if len(marks) > 1:
+            data[self._switch + 2 : self._switch + 1 + len(marks)] = marks[1:]
         return Telemetry(state.stamp, self.labels, self.sizes, data)
 
 

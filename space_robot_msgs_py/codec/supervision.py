@@ -12,12 +12,14 @@ from space_robot_msgs_py.topics import SUPERVISOR_MODE
 
 NAME = "mode"
 KEYS = ("law", "reference", "since", "answer")
+# Behind them, where the brakes of the joints are closed; otherwise a message says nothing of brakes.
+CLOSED = ("brakes", "closed")
 NO_ANSWER = "none"
 # Header: representation, then the stamp.
 HEAD, BODY = 4, 12
 MAX_CACHED = 64
 
-_Content = tuple[str, str, str, int, int]
+_Content = tuple[str, str, str, int, int, bool]
 
 
 class SupervisionCodec:
@@ -34,7 +36,7 @@ class SupervisionCodec:
             LayoutError: a text holds a NUL.
         """
         age = -1 if value.answer < 0 else value.stamp - value.answer
-        content = (value.mode, value.law, value.reference, value.since, age)
+        content = (value.mode, value.law, value.reference, value.since, age, value.brakes)
         whole = self._encoded.get(content)
         if whole is None:
             if len(self._encoded) >= MAX_CACHED:
@@ -48,8 +50,8 @@ class SupervisionCodec:
         Raises:
             LayoutError: it is none.
         """
-        stamp, (mode, law, reference, since, age) = peek_stamp(raw), self._content(raw)
-        return Supervision(stamp, mode, law, reference, since, -1 if age < 0 else stamp - age)
+        stamp, (mode, law, reference, since, age, brakes) = peek_stamp(raw), self._content(raw)
+        return Supervision(stamp, mode, law, reference, since, -1 if age < 0 else stamp - age, brakes=brakes)
 
     def canonical(self, raw: bytes) -> bytes:
         """The same message with zero padding and nothing behind it.
@@ -70,19 +72,28 @@ class SupervisionCodec:
 
 
 def _message(content: _Content) -> bytes:
-    mode, law, reference, since, age = content
+    mode, law, reference, since, age, brakes = content
     level = OK if (law, reference) == ("controller", "follow") else WARN
     texts = (law, reference, str(since), NO_ANSWER if age < 0 else str(age))
-    return encode_statuses([DiagnosticEvent(0, level, NAME, mode, "", tuple(zip(KEYS, texts, strict=True)))])
+    values = (*zip(KEYS, texts, strict=True), *([CLOSED] if brakes else []))
+    return encode_statuses([DiagnosticEvent(0, level, NAME, mode, "", values)])
 
 
 def _read(raw: bytes) -> _Content:
     found = decode_statuses(raw)
-    values = dict(found[0].values)
+    brakes = found[0].values[-1:] == (CLOSED,)
+    values = dict(found[0].values[: -1 if brakes else None])
     since, age = values.get("since", ""), values.get("answer", "")
     if len(found) != 1 or found[0].name != NAME or tuple(values) != KEYS or not since.isdecimal():
         accepted = f"one status {NAME} with {', '.join(KEYS)}"
         raise LayoutError("not a mode", key=SUPERVISOR_MODE.name, value=found[0].name[:40], accepted=accepted)
     if age != NO_ANSWER and not age.isdecimal():
         raise LayoutError("not an age", key=f"{SUPERVISOR_MODE.name}.answer", value=age[:40], accepted="ns or none")
-    return found[0].message, values["law"], values["reference"], int(since), -1 if age == NO_ANSWER else int(age)
+    return (
+        found[0].message,
+        values["law"],
+        values["reference"],
+        int(since),
+        -1 if age == NO_ANSWER else int(age),
+        brakes,
+    )

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.faults.base import Actuation, ActuationFault
 from space_robot_sim.faults.plan import FaultPlan
@@ -21,12 +19,14 @@ class Acts(NamedTuple):
     Attributes:
         command: (6+n,) generalised force asked of the actuators [N, N m].
         able: what they can do.
-        arrays: the robot, with its motors and brakes.
+        arrays: the robot, with its motors and joints that are stuck.
+        brakes: (n,) torque of the joints' brakes [N m or N].
     """
 
     command: Vector
     able: Capability
     arrays: RobotArrays
+    brakes: Vector
 
 
 class ActuationStage:
@@ -36,12 +36,15 @@ class ActuationStage:
         plan: of the run.
         joint_names: (n) in model order.
         able: what the actuators can do without faults.
+        brakes: (n,) torque of the joints' brakes without faults [N m or N].
         period: control period [s].
     """
 
-    def __init__(self, plan: FaultPlan, joint_names: tuple[str, ...], able: Capability, period: float) -> None:
+    def __init__(
+        self, plan: FaultPlan, joint_names: tuple[str, ...], able: Capability, brakes: Vector, period: float
+    ) -> None:
         self._planned = plan.of(ActuationFault)
-        self._names, self._able, self._period = joint_names, able, period
+        self._names, self._able, self._brakes, self._period = joint_names, able, brakes, period
         self.reset()
 
     def reset(self) -> Capability:
@@ -60,7 +63,7 @@ class ActuationStage:
         """
         acting = [one for one in self._planned if one.acts(tick)]
         if not acting:
-            return Acts(command, self._able, arrays)
+            return Acts(command, self._able, arrays, self._brakes)
         now = self._without_faults(command, wheels, arrays)
         for one in acting:
             assert isinstance(one.fault, ActuationFault)
@@ -77,7 +80,7 @@ class ActuationStage:
             push=now.push,
             outside=now.outside,
         )
-        return Acts(now.command, able, arrays._replace(tree=tree, motors=now.motors))
+        return Acts(now.command, able, arrays._replace(tree=tree, motors=now.motors), now.brakes)
 
     def _without_faults(self, command: Vector, wheels: Vector, arrays: RobotArrays) -> Actuation:
         able = self._able
@@ -88,33 +91,10 @@ class ActuationStage:
             limit=able.limit.copy(),
             motors=arrays.motors.copy(),
             locked=np.zeros(len(self._names)),
+            brakes=self._brakes.copy(),
             share=able.share.copy(),
             wheel_limit=able.wheel_limit.copy(),
             wheels=wheels,
             push=np.zeros(wheels.size),
             outside=np.zeros(6),
         )
-
-
-def brake(model: Any, q: Vector, v: Vector, held: npt.NDArray[np.int64]) -> tuple[Vector, float]:
-    """Stop joints at once by an impulse of their brakes, which is internal: momentum is kept, energy is lost.
-
-    M (v+ - v) = S^T p and S v+ = 0, where S picks the held joints and p is the impulse in them.
-
-    Args:
-        model: ``pin.Model`` of the robot.
-        q: (7+n,) configuration.
-        v: (6+n,) velocity.
-        held: (n,) not zero where a brake holds.
-
-    Returns:
-        (6+n,) velocity after it, and the work of the brakes [J].
-    """
-    rows = 6 + np.flatnonzero(held)
-    mass = mass_matrix(model, q)
-    picks = np.zeros((rows.size, v.size))
-    picks[np.arange(rows.size), rows] = 1.0
-    response = np.linalg.solve(mass, picks.T)
-    after = v - response @ np.linalg.solve(picks @ response, v[rows])
-    after[rows] = 0.0
-    return after, float(0.5 * (after @ mass @ after - v @ mass @ v))

@@ -97,7 +97,8 @@ class Actuation:
         command: (6+n,) generalised force that was commanded [N, N m].
         limit: (6+n,) largest magnitude per channel.
         motors: (n, 4) lag, viscous and Coulomb friction, Coulomb velocity of every joint.
-        locked: (n,) joints that a brake holds.
+        locked: (n,) joints that are stuck.
+        brakes: (n,) torque of the joints' brakes where they are closed [N m or N].
         share: (k, 3) share of every wheel in a commanded torque.
         wheel_limit: (k, 2) torque and momentum of every wheel.
         wheels: (k,) momenta at the beginning of the period [N m s].
@@ -111,6 +112,7 @@ class Actuation:
     limit: Vector
     motors: Vector
     locked: Vector
+    brakes: Vector
     share: Vector
     wheel_limit: Vector
     wheels: Vector

@@ -25,6 +25,7 @@ AnyFault = Annotated[
     | joints.JointRunaway
     | joints.JointBacklash
     | joints.JointLimitSwitch
+    | joints.JointBrakeWeak
     | base.WheelStopped
     | base.WheelEffectiveness
     | base.WheelBias

@@ -6,6 +6,8 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
+from space_robot_description.actuation import brake_torque
+from space_robot_msgs_py.errors import SpecError
 from space_robot_sim.faults.base import Actuation, ActuationFault, FaultSite, check_among
 
 Factor = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -47,6 +49,24 @@ class JointStuck(JointFault):
         """Hold the joint; the plant takes its speed away at the first tick."""
         now.locked[self.index(now)] = 1.0
         now.scale(self.channel(now), 0.0)
+
+
+class JointBrakeWeak(JointFault):
+    """The brake gives this part of its torque; with 0 it does not close; one that does not open is `joint_stuck`."""
+
+    kind: Literal["joint_brake_weak"] = "joint_brake_weak"
+    factor: Factor = Field(default=0.0, description="of the torque of the brake [-]")
+
+    def check(self, site: FaultSite, key: str) -> None:
+        """Refuse a joint that is not there, or has no brake."""
+        super().check(site, key)
+        if not brake_torque(site.robot)[site.robot.joint_names.index(self.joint)]:
+            accepted = "a joint with one, see actuators.joints.brake"
+            raise SpecError("the joint has no brake", key=f"{key}.joint", value=self.joint, accepted=accepted)
+
+    def act(self, now: Actuation, memory: dict[str, float]) -> None:
+        """Brake less."""
+        now.brakes[self.index(now)] *= self.factor
 
 
 class JointEffectiveness(JointFault):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 from uuid import uuid4
 
 from rclpy.publisher import Publisher
@@ -19,12 +19,13 @@ from space_robot_msgs_py.codec.codecs import (
     plant_events,
 )
 from space_robot_msgs_py.errors import CommandError
-from space_robot_msgs_py.interfaces import Command, Plant, PlantSample
+from space_robot_msgs_py.interfaces import BrakedPlant, Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.qos import qos_of_states
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
 from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
+from space_robot_sim.nodes.brake_port import BrakePort
 from space_robot_sim.nodes.command_port import REPEATED, CommandPort
 from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
@@ -58,6 +59,7 @@ class SimulatorNode(ManagedNode):
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
         optional: the optional topics of this run, for the events of the plant and the momentum of the wheels.
+        braked: a supervisor may close the brakes of the joints: in lock-step the plant waits for its mode, too.
         ahead: so many states the run may be ahead of its recorder in lock-step.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         step_count: so many periods ``~/step`` grants, a dynamic parameter.
@@ -75,6 +77,7 @@ class SimulatorNode(ManagedNode):
         realtime: float | None = None,
         recorded: bool = True,
         optional: Collection[Topic] = (),
+        braked: bool = False,
         ahead: int = 0,
         patience: float = 60.0,
         step_count: int = 1,
@@ -102,7 +105,9 @@ class SimulatorNode(ManagedNode):
         self.commands = CommandPort(self, joint_names, self._on_answer, period=period, keep_late=keep_late)
         if recorded:
             self.listen(RECORDER_CREDIT, self._on_credit)
-        self._offers = Offers(self, self._waiting, self._say_again, self.commands.readers)
+        self._brakes = BrakePort(self, self._on_answer, lossless=realtime is None) if braked else None
+        readers = [] if self._brakes is None else self._brakes.readers
+        self._offers = Offers(self, self._waiting, self._say_again, [*self.commands.readers, *readers])
         self.keep()
 
     def configure(self) -> None:
@@ -217,6 +222,8 @@ class SimulatorNode(ManagedNode):
             self._credit.restart()
         self.sample, self.tick, self.started = sample, 0, False
         self.commands.restart()
+        if self._brakes is not None:
+            self._brakes.restart()
         self._begin_publisher.publish(encode_begin(self._run))
 
     def _on_credit(self, raw: bytes) -> None:
@@ -239,7 +246,7 @@ class SimulatorNode(ManagedNode):
         if not self.active or not self.started or self.end_reason is not None:
             return None
         waits = self._outruns_recorder() and (self.pacer is None or self.tick == 0)
-        return self.stamp if waits or (self.pacer is None and not self.commands.answered) else None
+        return self.stamp if waits or (self.pacer is None and not self._answered) else None
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
@@ -261,9 +268,14 @@ class SimulatorNode(ManagedNode):
         publish_all(self._state_publishers, parts if wheels is None else (wheels, *parts))
         self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
 
+    @property
+    def _answered(self) -> bool:
+        """All that is known before the plant runs on is here."""
+        return self.commands.answered and (self._brakes is None or self._brakes.knows(self.stamp))
+
     def _on_answer(self) -> None:
         """Lock-step: go on as far as answers and pause allow."""
-        if self.pacer is None and self.commands.answered and self._may_advance():
+        if self.pacer is None and self._answered and self._may_advance():
             self._advance(self.commands.take())
 
     def _on_period(self) -> None:
@@ -289,6 +301,8 @@ class SimulatorNode(ManagedNode):
             self._say_what_was_refused()
             self.end("completed")
             return
+        if self._brakes is not None:
+            cast(BrakedPlant, self._plant).close_brakes(self._brakes.closed)
         sample = self._plant.step(command)
         self.tick += 1
         self._health.count(sample)

@@ -34,7 +34,7 @@ from space_robot_msgs_py.topics import (
     WHEEL_MOMENTUM,
     Topic,
 )
-from space_robot_supervisor.table import COMMANDS
+from space_robot_supervisor.rows import COMMANDS
 
 Waiting = tuple[RobotState, Reference, tuple[bytes, ...]]
 

@@ -10,7 +10,7 @@ from space_robot_description.actuation import command_limit
 from space_robot_description.load import load_robot
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
-from space_robot_supervisor.table import ModeSpec, MonitorSpec
+from space_robot_supervisor.rows import ModeSpec, MonitorSpec
 from space_robot_supervisor.values import values_of
 from tests.support.paths import ROOT
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.coverage import cell, chosen, outcome, table
+from benchmarks.coverage import cell, chosen, outcome, summary, table
 from space_robot_sim.faults.catalogue import KINDS
 from space_robot_studies.campaign.cases import make_case
 from space_robot_studies.campaign.run_case import run_case
@@ -35,6 +35,15 @@ def test_a_cell_has_the_worst_of_its_draws() -> None:
     assert (cell([fine, fine]), cell([fine, lost, fine])) == ("survives", "lost 1/3")
 
 
+def test_what_is_lost_is_said_with_its_reason() -> None:
+    """Counts of all outcomes, and a line per cell that supervision does not save."""
+    both = {"completed": True, "controller": "pd", "faults": "joint_free"}
+    rows = [both | {"failed": "joints.beyond, base.rate", "supervision": how} for how in ("without", "with")]
+    said = summary([*rows, both | {"failed": "", "supervision": "with"}])
+    assert "Of 1 runs each, without → with supervision: 0 → 1 survives, 0 → 0 degrades, 0 → 0 safe, 1 → 1 lost." in said
+    assert "- `joint_free` with `pd`: a joint beyond its limit, the base moves (1)" in said
+
+
 def test_every_kind_that_the_robot_can_have_is_in_the_campaign() -> None:
     """All but those of thrusters, each under its own name, with a key of its own for the draws."""
     faults: Any = chosen(1, ()).vary["faults"]
@@ -55,3 +64,16 @@ def test_promises_of_the_table_are_kept_on_a_slice() -> None:
         rows.append(case.columns() | run_case(case.data, "slice", "none").columns)
         assert outcome(rows[-1]) == "survives", rows[-1]
     assert table(rows).count("survives → survives") == len(HARMLESS)
+
+
+# Lost without supervision, whatever the draw, and not with it.
+SAVED = {"joint_runaway": "computed_torque", "joint_offset": "computed_torque", "sensor_bias": "adaptive"}
+
+
+def test_supervision_saves_what_is_lost_without_it() -> None:
+    """Brakes stop a joint before its end, and another law answers for one that has learned what cannot be."""
+    campaign = chosen(1, tuple(SAVED))
+    for case in (make_case(campaign, index) for index in range(campaign.cases)):
+        if case.labels["controller"] == SAVED[case.labels["faults"]]:
+            row = case.columns() | run_case(case.data, "slice", "none").columns
+            assert (outcome(row) == "lost") is (case.labels["supervision"] == "without"), row

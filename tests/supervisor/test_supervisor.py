@@ -83,6 +83,16 @@ def test_inhibition_silences_a_monitor_after_it_fired() -> None:
     assert reported(found, "fast") == [(0, "fires"), (4, "clears"), (5, "fires")]
 
 
+def test_a_monitor_fires_so_often_and_no_more() -> None:
+    """Whatever the mode in between; a reset begins to count again."""
+    back = {"name": "still", "value": "base.rate", "below": 0.1, "in": ["SAFE"], "to": "NOMINAL", "times": 1}
+    one, rates = supervisor(FAST, back), [2.0, 0.0, 2.0, 0.0, 0.0]
+    for _ in range(2):
+        found = watched(one, rates)
+        assert reported(found, "mode") == [(0, "NOMINAL -> SAFE"), (1, "SAFE -> NOMINAL"), (2, "NOMINAL -> SAFE")]
+        one.reset()
+
+
 def test_a_frozen_reading_is_unchanged() -> None:
     """The same number, to the bit, so many times in a row."""
     row = {"name": "frozen", "value": "rate.z", "unchanged": True, "for": 2}
@@ -136,6 +146,8 @@ def test_values_are_those_of_the_flight_software() -> None:
     now, limit = snapshot(3, 0.5), command_limit(MINI)
     known = values_of(MINI, limit)
     assert known["base.rate"](now) == 0.5
+    margin = np.minimum(MINI.home - MINI.joint_lower, MINI.joint_upper - MINI.home)
+    assert known["joints.margin"](now) == pytest.approx(margin.min())
     assert known["error.position"](now) == pytest.approx(np.hypot(3, 3))
     assert known["command.saturation"](now) is None
     effort = np.where(np.arange(4) == 1, MINI.effort_limit, 0.0)
@@ -161,6 +173,9 @@ def test_values_are_those_of_the_flight_software() -> None:
         ([FAST | {"above": None}], {}, "supervision.monitors.0", "say above, below"),
         ([FAST | {"unchanged": True}], {}, "supervision.monitors.0", "say above, below"),
         ([FAST | {"below": 2.0}], {}, "supervision.monitors.0", "outside"),
+        ([FAST | {"times": 0}], {}, "supervision.monitors.0.times", ""),
+        ([FAST], {"fallback": "SAVE"}, "supervision.fallback", "SAFE"),
+        ([FAST], {"fallback": "NOMINAL"}, "supervision.fallback", "a law of its own"),
         ([FAST | {"hysterese": 1.0}], {}, "supervision.monitors.0.hysterese", "hysteresis"),
         ([FAST], {"modes": MODES | {"NOMINAL": {"gains": {"rate": 1.0}}}}, "supervision.modes.NOMINAL", "experiment"),
         (
@@ -203,5 +218,5 @@ def test_shipped_tables_are_sound(name: str) -> None:
     robot = load_robot(name.partition("_")[0])
     found = validate(SupervisionTable, parse_yaml(config_dir() / "supervision" / f"{name}.yaml"), name)
     found.check("supervision")
-    Supervisor(found, robot, (), command_limit(robot))
+    Supervisor(found, robot, ("law_failed",), command_limit(robot))
     assert found.title

@@ -18,10 +18,17 @@ from space_robot_bringup.modes.headless import run_in_memory, write_bag
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
 
+IN_TASK: dict[str, Any] = {"in": ["NOMINAL"], "to": "SAFE"}
 # A jet pushes the base; the supervisor of the robot falls back to damping.
 PUSHED: dict[str, Any] = {
     "duration": 12.0,
-    "supervision": "mini_basic",
+    "supervision": {
+        "modes": {"NOMINAL": {}, "SAFE": {"law": "detumble", "gains": {"rate": 2.0}, "reference": "here"}},
+        "monitors": [
+            {"name": "tumbling", "value": "base.rate", "above": 0.3, "for": 3, "severity": "high", **IN_TASK},
+            {"name": "attitude_lost", "value": "error.attitude", "above": 0.6, "for": 20, **IN_TASK},
+        ],
+    },
     "faults": [{"kind": "wrench_pulse", "torque": [0.0, 0.0, 4.0], "at": 4.0, "for": 1.0, "name": "jet"}],
 }
 EXPECT: dict[str, Any] = {

@@ -50,7 +50,7 @@ def test_every_source_is_in_one_list_in_order(bag: Path) -> None:
     assert found["fault", JET, "begins"].severity == "high"
     assert found["fault", JET, "ends"].severity == "info"
     assert found["plant", "command clipped", "limit"].severity == "medium"
-    assert found["supervisor", "tumbling", "fires"].severity == "high"
+    assert found["supervisor", "arm_fast", "fires"].severity == "high"
     assert found["supervisor", "mode", "NOMINAL -> SAFE"].mode == "SAFE"
     assert found["controller", "switch", ""].severity == "info"
     assert read_judged(bag).happened == tuple(events)
