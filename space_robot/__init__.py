@@ -20,6 +20,7 @@ __all__ = [
     "ControlOutput",
     "error_blocks",
     "Experiment",
+    "export",
     "judge",
     "Law",
     "load_experiment",
@@ -40,6 +41,7 @@ __all__ = [
     "SpaceRobotError",
     "SpaceRobotWarning",
     "SteppedPlant",
+    "sweep",
     "Telemetry",
     "Tick",
     "tracking_errors",
@@ -49,6 +51,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+    from space_robot_bringup.public.export import export
     from space_robot_bringup.public.judge import judge
     from space_robot_bringup.public.replay import replay
     from space_robot_bringup.public.result import Run
@@ -75,13 +78,16 @@ if TYPE_CHECKING:
     from space_robot_msgs_py.log.writer import LogWriter
     from space_robot_msgs_py.version import __version__
     from space_robot_studies.campaign.public import campaign
+    from space_robot_studies.campaign.sweep import sweep
     from space_robot_studies.compare.public import compare
     from space_robot_studies.reproduce.public import reproduce
 else:
     _MODULES = {
         "space_robot_studies.campaign.public": ("campaign",),
+        "space_robot_studies.campaign.sweep": ("sweep",),
         "space_robot_studies.compare.public": ("compare",),
         "space_robot_bringup.experiment.experiment": ("Experiment", "load_experiment"),
+        "space_robot_bringup.public.export": ("export",),
         "space_robot_bringup.public.judge": ("judge",),
         "space_robot_bringup.public.replay": ("replay",),
         "space_robot_bringup.public.result": ("Run",),

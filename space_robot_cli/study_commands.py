@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from space_robot_cli.app import FAILED, JsonOption, JunitOption, app, err, out
+from space_robot_cli.app import FAILED, JsonOption, JunitOption, SetOption, app, err, out
 from space_robot_cli.study import ResumeOption, TimeLimitOption, WorkersOption, announce, single_threaded, study
 from space_robot_msgs_py.errors import SpecError
 
@@ -26,6 +26,7 @@ def campaign(
     scheduler: Annotated[str | None, typer.Option(help="address of a Dask scheduler instead of local workers")] = None,
     directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
     resume: ResumeOption = False,
+    set_: SetOption = None,
     keep: Annotated[str, typer.Option(help=f"whose bags to keep, one of: {', '.join(KEPT)}")] = "failed",
     time_limit: TimeLimitOption = None,
     junit: JunitOption = None,
@@ -46,7 +47,7 @@ def campaign(
     check_junit(junit)
     name = campaign_path(file).stem
     with study(err, quiet=as_json) as hooks:
-        spec = load_campaign(file, runs)
+        spec = load_campaign(file, runs, set_ or ())
         if not as_json:
             laws = [make_case(spec, index).data["controller"]["law"] for index in range(spec.points)]
             announce(err, laws, plant=scheduler is None)

@@ -85,6 +85,24 @@ def plot(
     out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
 
+@app.command()
+def export(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    table: Annotated[
+        Path | None, typer.Option("--out", "-o", help="FILE.csv or FILE.parquet; default: beside it, LOG.csv")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a file that is there")] = False,
+) -> None:
+    """Write a log as a table: CSV or Parquet, a row per tick.
+
+    Columns are named as in Python: base.position.x, joints.position.JOINT.
+    """
+    from space_robot_bringup.public.export import write_table
+
+    place = write_table(log, table or beside(log, ".csv"), overwrite=overwrite)
+    out.print(f"table: {place}", markup=False, soft_wrap=True)
+
+
 def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path] = ()) -> None:
     """Serve a log until Ctrl-C.
 

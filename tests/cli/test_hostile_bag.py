@@ -96,6 +96,7 @@ READ_LOGS: dict[str, tuple[tuple[str, ...], ...]] = {
     "events": ((), ("--json",)),
     "report": ((),),
     "plot": ((),),
+    "export": ((), ("--out", "table.parquet", "--overwrite")),
     "recover": ((),),
     "replay": (
         (),
