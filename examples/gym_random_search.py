@@ -1,5 +1,7 @@
 """Search the gains of a linear feedback by trial and error in a gymnasium environment (extra ``gym``).
 
+    python examples/gym_random_search.py
+
 Each trial is an episode of the shipped task: 40 s with the robot, actuators and sensors of the experiment.
 """
 
@@ -8,7 +10,7 @@ import numpy as np
 
 import space_robot.gym  # noqa: F401  registers the ids
 
-TRIALS = 8
+TRIALS = 4
 
 
 def episode(env: gymnasium.Env, gains: np.ndarray, seed: int = 0) -> float:
