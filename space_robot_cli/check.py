@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.compose.diagnosis import diagnose
 from space_robot_bringup.compose.foresight import foreseen
 from space_robot_bringup.compose.memory import what_is_not_forgotten
 from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment, with_faults
@@ -95,6 +96,7 @@ def check_file(
 def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     if line := notice(spec.controller.law_names, plant=False):
         on_notice(line)
+    diagnose(spec)
     composition = compose(spec)
     nominal, review = composition.nominal, composition.review()
     summary = (

@@ -42,7 +42,7 @@ def _sections(whole: Schema) -> Iterator[str]:
     headings: set[str] = set()
     while waiting:
         path, schema = waiting.pop(0)
-        kind = schema["properties"].get("kind", {}).get("const")
+        kind = schema["properties"].get("kind", {}).get("const", "")
         yield f"## {_heading(path, kind, schema['title'], headings)}\n"
         yield _table(("key", "default", "accepted", "meaning"), [_row(*item) for item in _properties(schema)])
         for key, spec in schema["properties"].items():
@@ -54,7 +54,7 @@ def _sections(whole: Schema) -> Iterator[str]:
                 seen.add(reference)
 
 
-def _heading(path: str, kind: str | None, title: str, taken: set[str]) -> str:
+def _heading(path: str, kind: str, title: str, taken: set[str]) -> str:
     """What a section is called; forms of the same section beyond the first by the name of their model."""
     name = f"`{path}`" if path else "The file"
     name = f"{name} of kind {kind}" if kind else name

@@ -24,8 +24,8 @@ initial: {joints_deg: [90, 45, 45, 0]}
 reference: {kind: step, attitude_deg: [10, 0, 0]}
 """
 REFUSED = {
-    "a truth value": ("plant.sensors.attitude.noise=true", "plant.sensors.attitude.noise", "valid number"),
-    "a text": ("control_period='0.25'", "control_period", "valid number"),
+    "a truth value": ("plant.sensors.attitude.noise=true", "plant.sensors.attitude.noise", "a number"),
+    "a text": ("control_period='0.25'", "control_period", "a number"),
     "a huge number": ("plant.sensors.position.bias=1e308", "plant.sensors.position.bias", "1000000000000000"),
     "a huge time": ("reference.time=1e300", "reference.time", "1000000000000000"),
     "a run of ages": ("duration=1e10", "duration", "at most 9007199 s"),
