@@ -83,14 +83,15 @@ def _accepted(spec: Schema) -> str:
         return "section"
     if "const" in spec or "enum" in spec:
         return ", ".join(f"`{_plain(value)}`" for value in spec.get("enum", [spec.get("const")]))
-    kind = spec.get("type", "")
+    kind = str(spec.get("type", ""))
     if kind == "array":
-        inside = _accepted(spec["items"]) if isinstance(spec.get("items"), Mapping) else ""
+        items = _accepted(spec["items"]) if isinstance(spec.get("items"), Mapping) else ""
         count = f" of {spec['minItems']}" if "minItems" in spec and spec["minItems"] == spec.get("maxItems") else ""
-        return f"list{count}{f': {inside}' if inside else ''}"
+        return f"list{count}: {items}" if items else f"list{count}"
     if kind == "object":
-        inside = spec.get("additionalProperties")
-        return f"by name: {_accepted(inside)}" if isinstance(inside, Mapping) and _accepted(inside) else "mapping"
+        values = spec.get("additionalProperties")
+        named = _accepted(values) if isinstance(values, Mapping) else ""
+        return f"by name: {named}" if named else "mapping"
     said = [f"{sign} {spec[name]:g}" for name, sign in BOUNDS.items() if abs(spec.get(name, MAX_SAID)) < MAX_SAID]
     return " ".join([{"string": "text", "boolean": "true, false"}.get(kind, kind), ", ".join(said)]).strip()
 

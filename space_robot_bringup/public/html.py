@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from space_robot_bringup.judge.check import Check
-from space_robot_bringup.judge.metrics import Axis
+from space_robot_bringup.judge.metrics import ROTATIONS, Axis
 from space_robot_bringup.modes.run import RunResult
 
 AXES = ("axis", "travel", "final error", "max error", "rms error", "settling [s]", "overshoot [%]")
@@ -24,7 +24,7 @@ def run_html(title: str, result: RunResult) -> str:
     head = f"<b>{escape(title)}</b><br>{ended}"
     parts = [f"<p>{head}</p>", _table(CHECKS, map(_check, result.checks))]
     if result.metrics is not None:
-        parts.append(_table(AXES, map(_axis, result.metrics.axes)))
+        parts.append(_table(AXES, map(_axis, result.metrics.axes)) + f"<p>{escape(ROTATIONS)}</p>")
     parts += [f"<p>remark: {escape(remark.line)}</p>" for remark in result.remarks]
     return f"<div>{''.join(parts)}</div>"
 

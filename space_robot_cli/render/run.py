@@ -12,7 +12,7 @@ from rich.table import Table
 
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
-from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.metrics import ROTATIONS, RunMetrics
 from space_robot_bringup.judge.remarks import Remark
 from space_robot_bringup.modes.run import RunResult
 from space_robot_cli.terminal import markup
@@ -55,6 +55,7 @@ def verdict(console: Console, experiment: Experiment, mode: str, result: RunResu
     """
     if result.metrics is not None:
         console.print(_axes(experiment, result.metrics))
+        console.print(ROTATIONS, style="dim", markup=False, soft_wrap=True)
         console.print(_totals(mode, result, result.metrics, whole_time))
     missed(console, result.checks, result.remarks)
     console.print(f"log: {result.directory}", markup=False, soft_wrap=True)

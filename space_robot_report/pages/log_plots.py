@@ -10,7 +10,7 @@ import numpy as np
 from space_robot_bringup.judge.metrics import Matrix, deviations
 from space_robot_bringup.judge.verdict import INTEGRATION_ERROR, PLANT_BOUNDS
 from space_robot_description.robot import Robot
-from space_robot_description.rotations import to_rpy
+from space_robot_description.rotations import EULER, to_rpy
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.arrays import LogArrays
@@ -53,9 +53,12 @@ def motion_plots(
     unit = "m" if prismatic.all() and prismatic.size else "deg, m" if prismatic.any() else "deg"
     errors = deviations(truth, arrays.q_d)
     turned = np.degrees(errors[:, 3:6])
-    yield _followed("Base attitude [deg]", time, _attitude(truth, whole), _attitude(arrays.q_d, whole), RPY)
+    yield _followed(f"Base attitude, {EULER} [deg]", time, _attitude(truth, whole), _attitude(arrays.q_d, whole), RPY)
     angle = Trace("angle", time, np.linalg.norm(turned, axis=1), "#1d2329")
-    yield Plot("Attitude error [deg]", [*lines(time, turned, [f"about {axis}" for axis in XYZ]), angle])
+    yield Plot(
+        "Attitude error, rotation vector in the reference's axes [deg]",
+        [*lines(time, turned, [f"about {axis}" for axis in XYZ]), angle],
+    )
     if robot is None or robot.base_mode == "free_flying":
         yield _followed("Base position [m]", time, truth[:, :3], arrays.q_d[:, :3], XYZ)
         yield Plot("Base position error [m]", lines(time, errors[:, :3], XYZ))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.judge.conclusion import passed
+from space_robot_bringup.judge.metrics import ROTATIONS
 from space_robot_bringup.logs.assessed import JudgedLog, read_judged
 from space_robot_bringup.logs.spans import Spans
 from space_robot_description.visual import look_of
@@ -57,6 +58,7 @@ def log_page(judged: JudgedLog, meshes: Sequence[Path] = ()) -> str:
         "source": judged.experiment.source if judged.experiment else "",
         "summary": _summary(judged),
         "verdict": _verdict(judged),
+        "rotations": ROTATIONS,
         "metrics": judged.metrics,
         "scene": embedded(played) if played else "",
         "tool": tool,
