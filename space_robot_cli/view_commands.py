@@ -86,6 +86,28 @@ def plot(
 
 
 @app.command()
+def video(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    film: Annotated[
+        Path | None, typer.Option("--out", "-o", help="FILE.gif, or FILE.mp4 with ffmpeg; default: beside it, LOG.gif")
+    ] = None,
+    seconds: Annotated[float, typer.Option(help="how long it lasts, however long the run was")] = 8.0,
+    fps: Annotated[int, typer.Option(help="frames per second")] = 15,
+) -> None:
+    """Write a film of a run: the robot as lines, GIF or MP4.
+
+    Where it should be is grey; the way of its tool is drawn.
+    """
+    try:
+        from space_robot_report.figures.video import film as write_film
+    except ImportError as error:
+        raise SpecError(f"video needs matplotlib ({error})", accepted=install("viz")) from None
+    place = film or beside(log, ".gif")
+    frames = write_film(log, place, seconds=seconds, fps=fps)
+    out.print(f"film: {place} ({frames} frames)", markup=False, soft_wrap=True)
+
+
+@app.command()
 def export(
     log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
     table: Annotated[

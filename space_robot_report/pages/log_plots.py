@@ -15,6 +15,7 @@ from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.arrays import LogArrays
 from space_robot_report.pages.plots import Plot, Trace, lines
+from space_robot_report.pages.telemetry import column_names, varying
 
 RPY, XYZ = ("roll", "pitch", "yaw"), ("x", "y", "z")
 # A legend of more lines than this hides the plot.
@@ -100,12 +101,10 @@ def conservation_plots(arrays: LogArrays) -> Iterator[Plot]:
         yield Plot(title, lines(arrays.time, block, names), levels={"allowed": allowed}, log=True)
 
 
-def telemetry_plots(time: Vector, blocks: Mapping[str, Matrix]) -> Iterator[Plot]:
-    """Every block of telemetry under its own name."""
-    for label, block in blocks.items():
-        if label in SHOWN or not block.shape[1]:
-            continue
-        names = [f"[{index}]" for index in range(block.shape[1])] if block.shape[1] > 1 else [""]
+def telemetry_plots(time: Vector, blocks: Mapping[str, Matrix], joints: Sequence[str]) -> Iterator[Plot]:
+    """Every block of telemetry that changes, under its own name."""
+    for label, block in varying(blocks, SHOWN).items():
+        names = column_names(label, block.shape[1], joints)
         yield Plot(label, lines(time, block, names, legend=len(names) <= MAX_LEGEND))
 
 

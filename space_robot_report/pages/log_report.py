@@ -16,9 +16,10 @@ from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_report.pages.html import script
 from space_robot_report.pages.interactive import PlotBook, embedded, interactive_page
-from space_robot_report.pages.log_plots import conservation_plots, effort_plots, motion_plots, telemetry_plots
+from space_robot_report.pages.log_plots import SHOWN, conservation_plots, effort_plots, motion_plots, telemetry_plots
 from space_robot_report.pages.paper_section import paper_figures
 from space_robot_report.pages.scene import scene
+from space_robot_report.pages.telemetry import check_units, constants
 from space_robot_report.palette import FAULT, mode_colors
 from space_robot_report.playback import WITHOUT
 
@@ -59,6 +60,7 @@ def log_page(judged: JudgedLog, meshes: Sequence[Path] = ()) -> str:
         "summary": _summary(judged),
         "verdict": _verdict(judged),
         "rotations": ROTATIONS,
+        "units": check_units(judged.metrics),
         "metrics": judged.metrics,
         "scene": embedded(played) if played else "",
         "tool": tool,
@@ -145,12 +147,24 @@ def _sections(judged: JudgedLog, book: PlotBook) -> list[dict[str, Any]]:
     sections = {
         "Motion": motion_plots(arrays, joints, robot, whole=judged.ticks == arrays.stamp.size),
         "Torques and wheels": effort_plots(arrays, joints, robot),
-        "What the law shows": telemetry_plots(arrays.time, arrays.controller),
+        "What the law shows": telemetry_plots(arrays.time, arrays.controller, joints),
         "Conservation": conservation_plots(arrays),
-        "What else the plant shows": telemetry_plots(arrays.time, arrays.plant),
+        "What else the plant shows": telemetry_plots(arrays.time, arrays.plant, joints),
     }
-    drawn = [{"title": title, "plots": book.all(list(plots))} for title, plots in sections.items()]
-    return [section for section in drawn if section["plots"]]
+    folded = {
+        "What the law shows": constants(arrays.controller),
+        "What else the plant shows": constants({k: v for k, v in arrays.plant.items() if k not in SHOWN}),
+    }
+    drawn = [
+        {
+            "title": title,
+            "anchor": title.lower().replace(" ", "-"),
+            "plots": book.all(list(plots)),
+            "constants": folded.get(title, []),
+        }
+        for title, plots in sections.items()
+    ]
+    return [section for section in drawn if section["plots"] or section["constants"]]
 
 
 def _provenance(judged: JudgedLog) -> dict[str, str]:

@@ -138,5 +138,5 @@ def test_names_with_brackets_are_shown_as_they_are(experiment_file: Path) -> Non
     """A title is text, never markup."""
     experiment, out = load_experiment(str(experiment_file)), StringIO()
     result = run_experiment(experiment, experiment_file.with_name("bag"), mode="headless")
-    render.verdict(Console(file=out), experiment, "headless", result)
+    render.verdict(Console(file=out), experiment, "headless", result, 1.0)
     assert "[red] [/] brackets" in out.getvalue()

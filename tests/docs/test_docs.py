@@ -209,7 +209,7 @@ def test_commands_of_the_page_on_seeing_work_in_their_order(tmp_path: Path, monk
     pytest.importorskip("plotly")
     monkeypatch.chdir(tmp_path)
     lines = [line for line in shell_lines("view.md") if line.startswith("space-robot") and " view " not in line]
-    assert len(lines) == 5
+    assert len(lines) == 6
     for line in lines:
         assert exit_code(line, monkeypatch) == 0, line
     assert (tmp_path / "runs" / "fig08.html").is_file()

@@ -12,6 +12,7 @@ pytest.importorskip("plotly")
 from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.log.arrays import arrays_of
 from space_robot_report.pages.log_plots import motion_plots
+from space_robot_report.pages.telemetry import check_units, column_names, constants, varying
 from tests.support import values
 
 
@@ -26,3 +27,25 @@ def test_turns_are_counted_only_where_every_tick_is_there() -> None:
         yaw = next(trace for trace in plot.traces if trace.name == "yaw")
         assert largest - 90.0 < np.abs(yaw.values).max() < largest + 1e-6
         np.testing.assert_allclose(np.cos(np.radians(yaw.values)), np.cos(np.radians(100.0 * np.arange(30))), atol=1e-9)
+
+
+def test_joints_are_called_by_their_names() -> None:
+    """Where a block ends with the joints; what only its law can name keeps its number."""
+    joints = ("shoulder", "elbow")
+    assert column_names("joint_error", 2, joints) == ["shoulder", "elbow"]
+    assert column_names("sliding", 5, joints) == ["[0]", "[1]", "[2]", "shoulder", "elbow"]
+    assert column_names("bias", 8, joints)[-2:] == ["shoulder", "elbow"]
+    assert column_names("residual", 2, joints) == ["[0]", "[1]"]
+    assert column_names("energy", 1, joints) == [""]
+
+
+def test_what_does_not_change_is_folded() -> None:
+    """Once as a line of numbers, and not as a plot; each block is in one of the two."""
+    blocks = {"still": np.full((5, 2), 0.5), "moves": np.arange(5.0).reshape(5, 1), "many": np.ones((5, 40))}
+    assert constants(blocks) == [("still", "0.5, 0.5"), ("many", f"{', '.join(['1'] * 12)}, ...")]
+    assert list(varying(blocks)) == ["moves"]
+
+
+def test_metrics_have_units() -> None:
+    """Those of a run without axes, too."""
+    assert check_units(None) == {"effort_integral": "N m s", "joint_limit": "rad or m", "integration_error": "rad or m"}
