@@ -67,8 +67,8 @@ def agree(ticks: int) -> None:
 
 
 def test_the_states_are_those_of_a_headless_run() -> None:
-    """Bit for bit under the same commands, with noise, dispersion and delay, over 400 periods."""
-    agree(400)
+    """Bit for bit under the same commands, with noise, dispersion and delay, over 200 periods."""
+    agree(200)
 
 
 @pytest.mark.thorough
