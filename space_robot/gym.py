@@ -8,11 +8,13 @@
 ``ids`` are all of them; ``SpaceRobotEnv`` makes one of any experiment.
 """
 
-from space_robot_bringup.public.calls import needing
-
-with needing("space_robot.gym", "gym"):
+try:
     from space_robot_bringup.public.environment import SpaceRobotEnv, action_limits, tracking_reward
     from space_robot_bringup.public.gym_ids import register
+except ImportError as error:
+    from space_robot_msgs_py.extras import install
+
+    raise ImportError(f"space_robot.gym needs gymnasium ({error}); {install('gym')}") from None
 
 __all__ = ["action_limits", "ids", "SpaceRobotEnv", "tracking_reward"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from importlib import import_module
 from typing import Any
@@ -140,6 +141,15 @@ def test_environments_run_beside_each_other() -> None:
         env = SpaceRobotEnv(NAME, NOISY)
         assert env.reset(seed=4 + index)[0].tobytes() == seen[index].tobytes()
         assert env.step(actions[index])[0].tobytes() == after[index].tobytes()
+
+
+def test_without_gymnasium_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As an ImportError, which is what importing something that is missing raises."""
+    for name in ("space_robot.gym", "space_robot_bringup.public.environment"):
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    with pytest.raises(ImportError, match=r"needs gymnasium .*space-robot\[gym\]"):
+        import_module("space_robot.gym")
 
 
 def test_what_cannot_be_is_one_error() -> None:
