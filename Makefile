@@ -1,4 +1,4 @@
-# make demo | make test | make bench | make studies | make chaos | make check: each sets itself up (.venv, package indexes only).
+# make demo | make test | make docs | make bench | make studies | make chaos | make check: each sets itself up (.venv, package indexes only).
 PYTHON ?= $(shell for p in python3.12 python3.11 python3; do \
   if $$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))' 2>/dev/null; then echo $$p; break; fi; done)
 VENV ?= .venv
@@ -7,7 +7,7 @@ OUT ?= out/demo
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 
-.PHONY: help demo test test-all check golden bench studies fuzz chaos clean
+.PHONY: help demo test test-all check docs golden bench studies fuzz chaos clean
 .DEFAULT_GOAL := help
 
 help:
@@ -15,6 +15,7 @@ help:
 	@echo "make test    the whole test suite with ruff, mypy and the import test"
 	@echo "make test-all also the thorough forms of tests that make test has"
 	@echo "make check   ruff and mypy only"
+	@echo "make docs    serve the documentation as a site on http://127.0.0.1:8000"
 	@echo "make studies every figure and table of the three papers, and the laws compared; leaves pages in out/studies"
 	@echo "make golden  run the reference logs of the tests again, and say what is different"
 	@echo "make fuzz    10,000 files and command lines that are nearly right: no traceback, no hang (CASES=, SEED=)"
@@ -52,6 +53,9 @@ test: check
 
 test-all: check
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
+
+docs: $(VENV)/.dev
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs serve
 
 golden: $(VENV)/.run
 	$(BIN)/space-robot replay tests/data/golden/* --update-refs

@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING
 from space_robot_msgs_py.faces import lazy_face
 
 __all__ = [
+    "assert_conserved",
+    "assert_events",
+    "assert_tracking",
     "Blocks",
     "campaign",
     "closed_loop",
@@ -20,6 +23,7 @@ __all__ = [
     "ControlOutput",
     "error_blocks",
     "Experiment",
+    "export",
     "GainRange",
     "judge",
     "Law",
@@ -30,6 +34,8 @@ __all__ = [
     "LogWriter",
     "make_plant",
     "NominalModel",
+    "open_graph",
+    "OpenGraph",
     "PlantSample",
     "Reference",
     "replay",
@@ -41,6 +47,7 @@ __all__ = [
     "SpaceRobotError",
     "SpaceRobotWarning",
     "SteppedPlant",
+    "sweep",
     "Telemetry",
     "Tick",
     "tracking_errors",
@@ -51,7 +58,10 @@ __all__ = [
 
 if TYPE_CHECKING:
     from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+    from space_robot_bringup.public.assertions import assert_conserved, assert_events, assert_tracking
+    from space_robot_bringup.public.export import export
     from space_robot_bringup.public.judge import judge
+    from space_robot_bringup.public.open_graph import OpenGraph, open_graph
     from space_robot_bringup.public.replay import replay
     from space_robot_bringup.public.result import Run
     from space_robot_bringup.public.run import run
@@ -78,15 +88,20 @@ if TYPE_CHECKING:
     from space_robot_msgs_py.log.writer import LogWriter
     from space_robot_msgs_py.version import __version__
     from space_robot_studies.campaign.public import campaign
+    from space_robot_studies.campaign.sweep import sweep
     from space_robot_studies.compare.public import compare
     from space_robot_studies.reproduce.public import reproduce
     from space_robot_studies.tune.public import tune
 else:
     _MODULES = {
         "space_robot_studies.campaign.public": ("campaign",),
+        "space_robot_studies.campaign.sweep": ("sweep",),
         "space_robot_studies.compare.public": ("compare",),
         "space_robot_bringup.experiment.experiment": ("Experiment", "load_experiment"),
+        "space_robot_bringup.public.assertions": ("assert_conserved", "assert_events", "assert_tracking"),
+        "space_robot_bringup.public.export": ("export",),
         "space_robot_bringup.public.judge": ("judge",),
+        "space_robot_bringup.public.open_graph": ("OpenGraph", "open_graph"),
         "space_robot_bringup.public.replay": ("replay",),
         "space_robot_bringup.public.result": ("Run",),
         "space_robot_bringup.public.run": ("run",),

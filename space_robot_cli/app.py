@@ -16,7 +16,6 @@ FAILED, BAD_INPUT = 1, 2
 app = typer.Typer(
     cls=PanelGroup,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     epilog="Exit codes: 0 fine, also where nothing was expected, 1 the run failed its verdict, 2 bad input or usage.",

@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.compose.diagnosis import diagnose
 from space_robot_bringup.compose.foresight import foreseen
+from space_robot_bringup.compose.memory import what_is_not_forgotten
 from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment, with_faults
 from space_robot_bringup.modes.compilation import notice
 from space_robot_description.share import is_file, shipped
@@ -94,6 +96,7 @@ def check_file(
 def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     if line := notice(spec.controller.law_names, plant=False):
         on_notice(line)
+    diagnose(spec)
     composition = compose(spec)
     nominal, review = composition.nominal, composition.review()
     summary = (
@@ -101,7 +104,8 @@ def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     )
     plan = composition.faults
     faults = () if plan is None else tuple(f"fault {one.label}: {plan.window(one)}" for one in plan.planned)
-    return Checked(summary, nominal.notes + review.facts + faults, (*review.warnings, *foreseen(composition)))
+    memory = tuple(filter(None, [what_is_not_forgotten(composition)]))
+    return Checked(summary, nominal.notes + review.facts + faults, (*review.warnings, *memory, *foreseen(composition)))
 
 
 def _campaign(campaign: Campaign) -> Checked:

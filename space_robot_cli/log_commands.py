@@ -23,6 +23,7 @@ from space_robot_cli.app import (
     err,
     out,
 )
+from space_robot_cli.completion import choices
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.extras import install
 
@@ -40,7 +41,8 @@ def replay(
         str,
         typer.Option(
             help="controller: states in, commands out; plant: commands in, states out; "
-            "supervisor: states, commands and orders in, modes out; or both: all that the run has"
+            "supervisor: states, commands and orders in, modes out; or both: all that the run has",
+            autocompletion=choices(("controller", "plant", "supervisor", "both")),
         ),
     ] = "both",
     set_: SetOption = None,
@@ -166,11 +168,18 @@ def info(
 def events(
     bag: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
     severity: Annotated[
-        str, typer.Option(help="only events as severe or more severe: info, low, medium or high")
+        str,
+        typer.Option(
+            help="only events as severe or more severe: info, low, medium or high",
+            autocompletion=choices(("info", "low", "medium", "high")),
+        ),
     ] = "info",
     source: Annotated[
         list[str] | None,
-        typer.Option(help="only events of this source: fault, plant, supervisor or controller; may repeat"),
+        typer.Option(
+            help="only events of this source: fault, plant, supervisor or controller; may repeat",
+            autocompletion=choices(("fault", "plant", "supervisor", "controller")),
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

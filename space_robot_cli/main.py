@@ -29,9 +29,12 @@ from space_robot_cli.app import (
     out,
     warn,
 )
+from space_robot_cli.completion import choices, shipped_names
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError
 
+LISTED = ("experiments", "papers", "campaigns", "supervision", "robots", "laws", "faults")
+FILES, STARTS = ("experiment", "campaign", "paper"), ("experiment", "law", "robot", "study")
 # What typer makes of a KeyboardInterrupt.
 INTERRUPTED = 130
 
@@ -41,7 +44,8 @@ def list_shipped(
     kind: Annotated[
         str,
         typer.Argument(
-            help="experiments, papers, campaigns, supervision, robots, laws or faults; default: all but the last two"
+            help="experiments, papers, campaigns, supervision, robots, laws or faults; default: all but the last two",
+            autocompletion=choices(LISTED),
         ),
     ] = "",
     name: Annotated[str, typer.Argument(help="only names that begin with this, e.g. liu2023")] = "",
@@ -61,15 +65,29 @@ def list_shipped(
 
 @app.command()
 def check(
-    file: Annotated[str, typer.Argument(help="experiment, campaign or paper: shipped name or YAML file")],
+    file: Annotated[
+        str,
+        typer.Argument(
+            help="experiment, campaign or paper: shipped name or YAML file",
+            autocompletion=shipped_names("experiments", "campaigns", "papers"),
+        ),
+    ],
     set_: SetOption = None,
     fault: FaultOption = None,
-    kind: Annotated[str, typer.Option(help="experiment, campaign or paper; default: what it looks like")] = "",
+    kind: Annotated[
+        str,
+        typer.Option(help="experiment, campaign or paper; default: what it looks like", autocompletion=choices(FILES)),
+    ] = "",
 ) -> None:
     """Check an experiment, campaign or paper without running it."""
     from space_robot_cli.check import check_file, kind_of
 
-    checked = check_file(file, kind or kind_of(file), set_ or (), err.print, faults=fault or ())
+    try:
+        checked = check_file(file, kind or kind_of(file), set_ or (), err.print, faults=fault or ())
+    except SpaceRobotError as error:
+        for problem in error.problems or (error,):
+            err.print(f"space-robot: {problem}", style="red", markup=False, soft_wrap=True)
+        raise typer.Exit(BAD_INPUT) from None
     out.print(f"{file}: fine. {checked.summary}", markup=False, soft_wrap=True)
     for line in checked.facts:
         out.print(f"  {line}", markup=False, soft_wrap=True)
@@ -79,7 +97,7 @@ def check(
 
 @app.command()
 def robot(
-    file: Annotated[str, typer.Argument(help="shipped name or YAML file")],
+    file: Annotated[str, typer.Argument(help="shipped name or YAML file", autocompletion=shipped_names("robots"))],
     as_json: JsonOption = False,
 ) -> None:
     """Print mass, inertia, momentum, reach, coupling of a robot.
@@ -101,7 +119,9 @@ def robot(
 
 @app.command()
 def schema(
-    kind: Annotated[str, typer.Argument(help="experiment, campaign or paper")] = "experiment",
+    kind: Annotated[
+        str, typer.Argument(help="experiment, campaign or paper", autocompletion=choices(FILES))
+    ] = "experiment",
 ) -> None:
     """Print the JSON schema of a kind of file, for editors."""
     from space_robot_cli.check import schema_of
@@ -111,7 +131,7 @@ def schema(
 
 @app.command()
 def new(
-    kind: Annotated[str, typer.Argument(help="experiment, law, robot or study")],
+    kind: Annotated[str, typer.Argument(help="experiment, law, robot or study", autocompletion=choices(STARTS))],
     name: Annotated[Path, typer.Argument(help="of the file, e.g. my_law")],
 ) -> None:
     """Write a working, commented start for a file of your own."""

@@ -8,7 +8,7 @@ from typer.core import TyperGroup
 
 PANELS = {
     "Run": ("run", "campaign", "compare", "tune", "reproduce"),
-    "Look": ("report", "view", "plot", "info", "events"),
+    "Look": ("report", "view", "plot", "info", "events", "export", "video"),
     "Verify": ("check", "replay", "recover"),
     "Prepare": ("new", "list", "robot", "schema"),
 }

@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -25,6 +26,7 @@ from space_robot_cli.app import (
     out,
     warn,
 )
+from space_robot_cli.completion import choices, shipped_names
 from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
 from space_robot_msgs_py.errors import SpecError
 
@@ -38,9 +40,17 @@ MODES = ("headless", "graph", "processes")
 
 @app.command()
 def run(
-    experiment: Annotated[str | None, typer.Argument(help="shipped name such as liu2023/fig08, or YAML file")] = None,
+    experiment: Annotated[
+        str | None,
+        typer.Argument(
+            help="shipped name such as liu2023/fig08, or YAML file", autocompletion=shipped_names("experiments")
+        ),
+    ] = None,
     mode: Annotated[
-        str | None, typer.Option(help=f"one of: {', '.join(MODES)}; default headless, with --from graph")
+        str | None,
+        typer.Option(
+            help=f"one of: {', '.join(MODES)}; default headless, with --from graph", autocompletion=choices(MODES)
+        ),
     ] = None,
     directory: Annotated[
         Path | None, typer.Option("--out", help="run directory; default runs/<name>, numbered where a run is in it")
@@ -73,6 +83,7 @@ def run(
     no_browser: NoBrowserOption = False,
 ) -> None:
     """Run an experiment, log it to a bag and print the verdict."""
+    began = monotonic()
     mode = mode or ("headless" if campaign_directory is None else "graph")
     if timeout is not None and not 0.0 < timeout < float("inf"):
         raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
@@ -97,7 +108,7 @@ def run(
     write_junit(junit, [run_suite(name, spec, mode, result)] if junit is not None else ())
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
-    _say(spec, mode, result, found, as_json=as_json)
+    _say(spec, mode, result, found, monotonic() - began, as_json=as_json)
     if view:
         _show(spec, result, own=campaign_directory is None, port=port, open_browser=not no_browser)
     if found or result.passed is False:
@@ -133,15 +144,17 @@ def _place(name: str, directory: Path | None, *, overwrite: bool) -> Path:
     return checked_directory(directory, overwrite=overwrite)
 
 
-def _say(spec: Experiment, mode: str, result: RunResult, found: list[str] | None, *, as_json: bool) -> None:
+def _say(
+    spec: Experiment, mode: str, result: RunResult, found: list[str] | None, whole_time: float, *, as_json: bool
+) -> None:
     """The verdict, and of a case of a campaign what is not as there."""
     from space_robot_cli.render import run as render
 
     if as_json:
-        again = {} if found is None else {"differences": found}
+        again: dict[str, object] = {"whole_time": whole_time} | ({} if found is None else {"differences": found})
         print(json.dumps(render.as_dict(spec, mode, result) | again, allow_nan=False))
         return
-    render.verdict(out, spec, mode, result)
+    render.verdict(out, spec, mode, result, whole_time)
     if found is not None:
         said = f"not as in the campaign: {'; '.join(found)}" if found else "every number is the campaign's"
         out.print(said, style="red" if found else "green", markup=False, soft_wrap=True)

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from space_robot_cli.app import FAILED, JsonOption, JunitOption, app, err, out
+from space_robot_cli.app import FAILED, JsonOption, JunitOption, SetOption, app, err, out
+from space_robot_cli.completion import choices, shipped_names
 from space_robot_cli.study import ResumeOption, TimeLimitOption, WorkersOption, announce, single_threaded, study
 from space_robot_msgs_py.errors import SpecError
 
@@ -20,13 +21,21 @@ KEPT = ("failed", "all", "none")
 
 @app.command()
 def campaign(
-    file: Annotated[str, typer.Argument(help="shipped name such as fig08_dispersed, or YAML file")],
+    file: Annotated[
+        str,
+        typer.Argument(
+            help="shipped name such as fig08_dispersed, or YAML file", autocompletion=shipped_names("campaigns")
+        ),
+    ],
     runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
     workers: WorkersOption = None,
     scheduler: Annotated[str | None, typer.Option(help="address of a Dask scheduler instead of local workers")] = None,
     directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
     resume: ResumeOption = False,
-    keep: Annotated[str, typer.Option(help=f"whose bags to keep, one of: {', '.join(KEPT)}")] = "failed",
+    set_: SetOption = None,
+    keep: Annotated[
+        str, typer.Option(help=f"whose bags to keep, one of: {', '.join(KEPT)}", autocompletion=choices(KEPT))
+    ] = "failed",
     time_limit: TimeLimitOption = None,
     junit: JunitOption = None,
     as_json: JsonOption = False,
@@ -46,7 +55,7 @@ def campaign(
     check_junit(junit)
     name = campaign_path(file).stem
     with study(err, quiet=as_json) as hooks:
-        spec = load_campaign(file, runs)
+        spec = load_campaign(file, runs, set_ or ())
         if not as_json:
             laws = [make_case(spec, index).data["controller"]["law"] for index in range(spec.points)]
             announce(err, laws, plant=scheduler is None)
@@ -129,7 +138,10 @@ def tune(
 
 @app.command()
 def reproduce(
-    paper: Annotated[str, typer.Argument(help="shipped name such as liu2023, or manifest file")],
+    paper: Annotated[
+        str,
+        typer.Argument(help="shipped name such as liu2023, or manifest file", autocompletion=shipped_names("papers")),
+    ],
     figure: Annotated[
         list[str] | None, typer.Option("--figure", metavar="N", help="only this figure; may be given more than once")
     ] = None,

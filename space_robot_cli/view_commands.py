@@ -105,6 +105,46 @@ def plot(
     out.print(f"picture: {place}", markup=False, soft_wrap=True)
 
 
+@app.command()
+def video(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    film: Annotated[
+        Path | None, typer.Option("--out", "-o", help="FILE.gif, or FILE.mp4 with ffmpeg; default: beside it, LOG.gif")
+    ] = None,
+    seconds: Annotated[float, typer.Option(help="how long it lasts, however long the run was")] = 8.0,
+    fps: Annotated[int, typer.Option(help="frames per second")] = 15,
+) -> None:
+    """Write a film of a run: the robot as lines, GIF or MP4.
+
+    Where it should be is grey; the way of its tool is drawn.
+    """
+    try:
+        from space_robot_report.figures.video import film as write_film
+    except ImportError as error:
+        raise SpecError(f"video needs matplotlib ({error})", accepted=install("viz")) from None
+    place = film or beside(log, ".gif")
+    frames = write_film(log, place, seconds=seconds, fps=fps)
+    out.print(f"film: {place} ({frames} frames)", markup=False, soft_wrap=True)
+
+
+@app.command()
+def export(
+    log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
+    table: Annotated[
+        Path | None, typer.Option("--out", "-o", help="FILE.csv or FILE.parquet; default: beside it, LOG.csv")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a file that is there")] = False,
+) -> None:
+    """Write a log as a table: CSV or Parquet, a row per tick.
+
+    Columns are named as in Python: base.position.x, joints.position.JOINT.
+    """
+    from space_robot_bringup.public.export import write_table
+
+    place = write_table(log, table or beside(log, ".csv"), overwrite=overwrite)
+    out.print(f"table: {place}", markup=False, soft_wrap=True)
+
+
 def show_log(log: Path, *, port: int, open_browser: bool, meshes: Sequence[Path] = (), **bag: Any) -> None:
     """Serve a log until Ctrl-C; ``bag``: see ``load_show``.
 

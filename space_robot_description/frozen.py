@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import Any, Never
 
+READ_ONLY = "read-only: what was checked does not change; load it again with other values"
+
 
 def _refuse(self: object, *args: object, **kwargs: object) -> Never:
-    raise TypeError("read-only: what was checked does not change; load it again with other values")
+    raise TypeError(READ_ONLY)
 
 
 class FrozenDict(dict[Any, Any]):
@@ -47,7 +49,7 @@ def plain(value: Any) -> Any:
     """A copy as YAML or JSON would give it, to be changed at will: dicts, lists, Python's own numbers, paths as text.
 
     Args:
-        value: anything, frozen or not; NumPy's arrays and numbers become Python's.
+        value: anything, frozen or not; NumPy's arrays and numbers become Python's, a class its ``module:Class``.
 
     Raises:
         ValueError: the data contains itself, or is nested more deeply than Python can follow.
@@ -65,6 +67,8 @@ def _copied(copy: _Copy, value: Any) -> Any:
 def _plain_leaf(leaf: Any) -> Any:
     if isinstance(leaf, PurePath):
         return str(leaf)
+    if isinstance(leaf, type):
+        return f"{leaf.__module__}:{leaf.__qualname__}"
     return leaf.tolist() if hasattr(leaf, "tolist") else leaf
 
 

@@ -23,6 +23,9 @@ Floats = Sequence[float] | Vector
 Three = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
+# What roll, pitch and yaw are in files and plots.
+EULER = "Euler angles R = Rz Ry Rx"
+
 
 def normalized(q: Floats, key: str = "quaternion") -> Quaternion:
     """Scale a quaternion to unit length.

@@ -14,11 +14,12 @@ from pydantic import (
     NonNegativeFloat,
     PositiveFloat,
     SerializerFunctionWrapHandler,
+    ValidationError,
     model_serializer,
 )
 from pydantic_core import CoreSchema
 
-from space_robot_description.frozen import frozen
+from space_robot_description.frozen import READ_ONLY, frozen
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Vector
@@ -79,6 +80,18 @@ class Strict(BaseModel):
         """Freeze what pydantic's own ``frozen`` does not: the insides of the values."""
         for name in self._holders:
             self.__dict__[name] = frozen(self.__dict__[name])
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        try:
+            super().__setattr__(name, value)
+        except ValidationError:
+            raise AttributeError(f"{name}: {READ_ONLY}") from None
+
+    def __delattr__(self, name: str) -> None:
+        try:
+            super().__delattr__(name)
+        except ValidationError:
+            raise AttributeError(f"{name}: {READ_ONLY}") from None
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """A copy with some fields replaced, which are not checked, but as immutable as the others."""

@@ -11,9 +11,10 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
+from space_robot_description.complaints import accepted_by
 from space_robot_msgs_py.bounded_files import read_text
 from space_robot_msgs_py.bounded_yaml import load_yaml
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.limits import YAML_BYTES
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -64,18 +65,28 @@ def validate(model_class: type[Model], data: object, where: str) -> Model:
 
     Raises:
         SpecError: names the first bad key, its value, what is accepted (for an unknown key the nearest valid ones),
-            and how many more there are.
+            and how many more there are; its ``problems`` are all of them.
     """
     try:
         return model_class.model_validate(data)
     except ValidationError as error:
-        problems = error.errors(include_url=False)
+        by_path: dict[tuple[str | int, ...], list[Any]] = {}
         # A misspelt key is also a missing one: the spelling is the cause.
-        first = next((problem for problem in problems if problem["type"] == "extra_forbidden"), problems[0])
-        path = _data_path(first, data)
-        same = [problem for problem in problems if _data_path(problem, data) == path]
-        others = len({_data_path(problem, data) for problem in problems}) - 1
-        raise _spec_error(model_class, first, same, path, where, others) from None
+        for problem in sorted(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden"):
+            by_path.setdefault(_data_path(problem, data), []).append(problem)
+        errors = [_spec_error(model_class, same, path, where) for path, same in by_path.items()]
+        raise with_others(errors) from None
+
+
+def with_others(errors: Sequence[SpaceRobotError]) -> SpaceRobotError:
+    """The first of some errors, which says how many more there are and has all of them as its ``problems``."""
+    first, more = errors[0], len(errors) - 1
+    if not more:
+        return first
+    message = f"{first.message} (and {more} more)"
+    summed = type(first)(message, key=first.key, value=first.value, accepted=first.accepted)
+    summed.problems = tuple(errors)
+    return summed
 
 
 def nearest(name: object, names: Iterable[str]) -> str:
@@ -84,31 +95,26 @@ def nearest(name: object, names: Iterable[str]) -> str:
 
 
 def _spec_error(
-    model_class: type[BaseModel],
-    first: Mapping[str, Any],
-    same: Sequence[Mapping[str, Any]],
-    path: tuple[str | int, ...],
-    where: str,
-    others: int,
+    model_class: type[BaseModel], same: Sequence[Mapping[str, Any]], path: tuple[str | int, ...], where: str
 ) -> SpecError:
+    first = same[0]
     kind = first["type"]
     dotted = ".".join(str(part) for part in path)
     key = f"{where}{dotted}".rstrip(".") if where.endswith(".") else f"{where} {dotted}".strip()
-    more = f" (and {others} more)" if others else ""
     if kind == "extra_forbidden":
         models = _models_at(model_class, tuple(first["loc"][:-1]))
         for model in models:
             if new := getattr(model, "RENAMED", {}).get(path[-1]):
-                return SpecError(f"was renamed{more}", key=key, accepted=new)
+                return SpecError("was renamed", key=key, accepted=new)
         valid = _valid_keys(models)
         guess = nearest(path[-1], valid)
         accepted = f"did you mean {guess}? valid: {', '.join(valid)}" if guess else ", ".join(valid)
-        return SpecError(f"unknown key{more}", key=key, accepted=accepted)
+        return SpecError("unknown key", key=key, accepted=accepted)
     if kind == "missing":
-        return SpecError(f"is required and missing{more}", key=key)
+        return SpecError("is required and missing", key=key)
     # A value that fits no member of a union yields one problem per member.
-    texts = dict.fromkeys(problem["msg"].removeprefix("Value error, ") for problem in same)
-    return SpecError(f"not accepted{more}", key=key, value=_short(first["input"]), accepted=", or ".join(texts))
+    texts = dict.fromkeys(map(accepted_by, same))
+    return SpecError("not accepted", key=key, value=_short(first["input"]), accepted=", or ".join(texts))
 
 
 def _data_path(problem: Mapping[str, Any], data: object) -> tuple[str | int, ...]:

@@ -17,7 +17,12 @@ class SpaceRobotError(Exception):
         key: the dotted name of the offending input, e.g. ``controller.gains.bandwidth``.
         value: the offending value.
         accepted: what would be accepted instead.
+
+    Attributes:
+        problems: where several things are wrong: an error for each, this one among them.
     """
+
+    problems: tuple[SpaceRobotError, ...] = ()
 
     def __init__(self, message: str, *, key: str = "", value: object = None, accepted: str = "") -> None:
         self.message, self.key, self.value, self.accepted = message, key, value, accepted

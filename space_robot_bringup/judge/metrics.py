@@ -11,6 +11,8 @@ import numpy.typing as npt
 Matrix = npt.NDArray[np.float64]
 
 BASE_AXES = ("base/x", "base/y", "base/z", "base/roll", "base/pitch", "base/yaw")
+# What the rotations among the axes are; wherever they are shown, this is said.
+ROTATIONS = "base/roll, base/pitch, base/yaw: rotation vector from the reference to the base, in the reference's axes"
 PER_AXIS = ("final_error", "max_error", "rms_error", "settling_time", "overshoot")
 PER_RUN = (
     "saturation_share",
@@ -26,6 +28,8 @@ PER_RUN = (
 @dataclass(frozen=True, eq=False, slots=True)
 class Axis:
     """How one axis followed its reference; rotations in [deg], lengths (of prismatic joints, too) in [m].
+
+    Those of the base are the components of a rotation vector, see ``ROTATIONS``, and no Euler angles.
 
     Attributes:
         name: ``base/x``, ``base/roll`` or the joint's name.

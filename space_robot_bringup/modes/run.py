@@ -113,6 +113,7 @@ def run_composition(
     """Run a composed experiment; everything else as ``run_experiment``."""
     hooks = hooks or Hooks()
     check_made_here(composition.experiment.controller)
+    _check_laws(composition, mode)
     for warning in composition.review().warnings:
         hooks.warn(warning)
     stopwatch = Stopwatch(hooks)
@@ -123,6 +124,14 @@ def run_composition(
             reason = f"recorder: {place.bag}: {GONE}"
         hooks.on_end(reason)
         return judge_log(Path(directory), composition, reason, stopwatch.seconds)
+
+
+def _check_laws(composition: Composition, mode: Mode) -> None:
+    """Refuse a law that other processes cannot import."""
+    for law in composition.experiment.controller.law_names if mode == "processes" else ():
+        if law.startswith("__main__:"):
+            accepted = "--mode headless or graph, or a law in a file, FILE.py:Class"
+            raise SpecError("is known to this program only", key="controller.law", value=law, accepted=accepted)
 
 
 def judge_log(directory: Path, composition: Composition, reason: str, wall_time: float) -> RunResult:

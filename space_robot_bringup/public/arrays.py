@@ -148,30 +148,43 @@ class RunArrays:
     command: CommandArrays
     telemetry: TelemetryArrays
 
+    def variables(self) -> Iterator[tuple[str, Vector, tuple[str, ...]]]:
+        """Every array (K, size) with a name such as ``base.position``, and what its columns are called.
+
+        Of a block of telemetry only its law knows more than the order of its numbers; a single number needs no name.
+        """
+        for group in ("base", "joints", "reference", "command", "telemetry"):
+            yield from self._variables(group, getattr(self, group))
+
     def columns(self) -> Iterator[tuple[str, Vector]]:
         """Every number as one column (K,) with a name such as ``base.position.x`` or ``command.effort.joint1``."""
-        for group in ("base", "joints", "reference", "command", "telemetry"):
-            yield from self._columns(group, getattr(self, group))
+        for name, value, labels in self.variables():
+            if not labels:
+                yield name, value[:, 0]
+            yield from ((f"{name}.{label}", value[:, index]) for index, label in enumerate(labels))
 
-    def _columns(self, name: str, value: Any) -> Iterator[tuple[str, Vector]]:
+    def _variables(self, name: str, value: Any) -> Iterator[tuple[str, Vector, tuple[str, ...]]]:
         if is_dataclass(value):
             value = {field.name: getattr(value, field.name) for field in fields(value)}
         if value is None:
             return
         if isinstance(value, Mapping):
             for part, inner in value.items():
-                yield from self._columns(f"{name}.{part}", inner)
+                yield from self._variables(f"{name}.{part}", inner)
             return
-        suffixes = self._suffixes(name, value.shape[1])
-        yield from ((f"{name}{suffix}", value[:, index]) for index, suffix in enumerate(suffixes))
+        yield name, value, self._labels(name, value.shape[1])
 
-    def _suffixes(self, name: str, size: int) -> list[str]:
-        """What the numbers of an array are called; of a block of telemetry only its law knows more than their order."""
+    def _labels(self, name: str, size: int) -> tuple[str, ...]:
         if name.startswith("telemetry."):
-            return [f".{index}" for index in range(size)] if size != 1 else [""]
-        if "joints" in name.split(".") or name == "command.effort":
-            return [f".{joint}" for joint in self.joint_names]
-        return [f".{axis}" for axis in (XYZW if name.endswith("quaternion") else XYZ)]
+            return tuple(map(str, range(size))) if size != 1 else ()
+        if is_of_joints(name):
+            return self.joint_names
+        return XYZW if name.endswith("quaternion") else XYZ
+
+
+def is_of_joints(name: str) -> bool:
+    """Whether an array has a column per joint, by its name."""
+    return "joints" in name.split(".") or name == "command.effort"
 
 
 def run_arrays(log: LogArrays, joint_names: tuple[str, ...]) -> RunArrays:

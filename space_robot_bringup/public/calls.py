@@ -35,7 +35,9 @@ def for_python(function: Callable[Parameters, Result]) -> Callable[Parameters, R
 def in_python(error: SpaceRobotError) -> SpaceRobotError:
     """The same error with ``--some-option`` as ``some_option``."""
     message, key, accepted = (OPTION.sub(_argument, text) for text in (error.message, error.key, error.accepted))
-    return type(error)(message, key=key, value=error.value, accepted=accepted)
+    made = type(error)(message, key=key, value=error.value, accepted=accepted)
+    made.problems = tuple(map(in_python, error.problems))
+    return made
 
 
 @contextmanager

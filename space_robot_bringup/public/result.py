@@ -16,10 +16,14 @@ from space_robot_bringup.judge.remarks import Remark
 from space_robot_bringup.modes.run import RunResult
 from space_robot_bringup.public.arrays import RunArrays, run_arrays
 from space_robot_bringup.public.calls import needing
+from space_robot_bringup.public.dataset import dataset
+from space_robot_bringup.public.html import run_html
+from space_robot_bringup.public.units import units_of
 from space_robot_msgs_py.log.reader import LogReader
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 # What draws stands above this package, which must not import it: it is looked up.
 FIGURES = "space_robot.figures"
@@ -127,6 +131,20 @@ class Run:
         index = pd.Index(self.arrays.time, name="time")
         return pd.DataFrame(dict(self.arrays.columns()), index=index)
 
+    def to_xarray(self) -> xr.Dataset:
+        """Every array of ``arrays`` by its name, with units and coordinates.
+
+        Returns:
+            A Dataset with variables such as ``joints.position`` over the dimensions ``time`` [s] and ``joint``,
+            ``base.position`` over ``time`` and ``axis`` and ``base.quaternion`` over ``time`` and ``component``. The
+            attribute ``units`` of a variable is its unit. Nothing is copied: the numbers are read-only.
+
+        Raises:
+            SpecError: xarray is not installed.
+        """
+        said = {"title": self._title, "end_reason": self.reason, "seed": str(self.log.header.seed)}
+        return dataset(self.arrays, units_of(self.log.header), said)
+
     def plot(self) -> Any:
         """Draw attitude and joints beside what was desired, and the torques it took.
 
@@ -148,5 +166,12 @@ class Run:
 
     def __repr__(self) -> str:
         ticks = self.metrics.ticks if self.metrics else 0
-        title = self.experiment.title or self.experiment.controller.law
-        return f"<Run {title!r}: {self.conclusion} ({self.reason}), {ticks} ticks, {self.directory}>"
+        return f"<Run {self._title!r}: {self.conclusion} ({self.reason}), {ticks} ticks, {self.directory}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the verdict and the axes as tables."""
+        return run_html(self._title, self.result)
+
+    @property
+    def _title(self) -> str:
+        return self.experiment.title or self.experiment.controller.law

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
-from space_robot_bringup.judge.metrics import RunMetrics
+from space_robot_bringup.judge.metrics import ROTATIONS, RunMetrics
 from space_robot_bringup.judge.remarks import Remark
 from space_robot_bringup.modes.run import RunResult
 from space_robot_cli.terminal import markup
@@ -43,11 +43,20 @@ def as_dict(experiment: Experiment, mode: str, result: RunResult) -> dict[str, A
     }
 
 
-def verdict(console: Console, experiment: Experiment, mode: str, result: RunResult) -> None:
-    """Print the axes, the totals, the checks and where the bag is."""
+def verdict(console: Console, experiment: Experiment, mode: str, result: RunResult, whole_time: float) -> None:
+    """Print the axes, the totals, the checks and where the bag is.
+
+    Args:
+        console: to print on.
+        experiment: that was run.
+        mode: how.
+        result: of the run.
+        whole_time: of the command until now, set-up and verdict included [s].
+    """
     if result.metrics is not None:
         console.print(_axes(experiment, result.metrics))
-        console.print(_totals(mode, result, result.metrics))
+        console.print(ROTATIONS, style="dim", markup=False, soft_wrap=True)
+        console.print(_totals(mode, result, result.metrics, whole_time))
     missed(console, result.checks, result.remarks)
     console.print(f"log: {result.directory}", markup=False, soft_wrap=True)
     ended = "" if result.passed is None else f" ({result.end_reason})"
@@ -83,7 +92,7 @@ def _short(value: float) -> str:
     return f"{value:.3g}" if value == 0.0 or value >= 1e-3 else f"{value:.0e}"
 
 
-def _totals(mode: str, result: RunResult, metrics: RunMetrics) -> Table:
+def _totals(mode: str, result: RunResult, metrics: RunMetrics, whole_time: float) -> Table:
     table = Table(show_header=False, box=None)
     rows = {
         "saturation share": f"{100 * metrics.saturation_share:.1f} % of periods",
@@ -92,7 +101,9 @@ def _totals(mode: str, result: RunResult, metrics: RunMetrics) -> Table:
         "integration error": "-" if metrics.integration_error is None else f"{metrics.integration_error:.1e} rad or m",
         "torque integral": f"{metrics.effort_integral:.4g} N m s",
         "joint limits": "kept" if metrics.joint_limit == 0.0 else f"exceeded by {metrics.joint_limit:.3g} rad",
-        "wall time": f"{result.wall_time:.2f} s for {metrics.simulated_time:g} s ({mode})",
+        "simulated time": f"{metrics.simulated_time:g} s",
+        "wall time": f"{result.wall_time:.2f} s in {mode} mode, first tick to last",
+        "whole time": f"{whole_time:.2f} s, with set-up, log and verdict",
         "x real time": f"{metrics.simulated_time / result.wall_time:.0f}" if result.wall_time else "-",
     }
     for name, value in rows.items():

@@ -102,6 +102,9 @@ def _imported(path: str, key: str) -> type[Law]:
         module = _from_file(Path(module_name)) if module_name.endswith(".py") else import_module(module_name)
     except Exception as error:  # a module may fail in any way while it is imported
         raise SpecError(f"cannot import ({error})", key=key, value=path, accepted=PATHS) from error
+    if "<locals>" in class_name:
+        accepted = "a class at the top of a module, script or notebook cell"
+        raise SpecError("is defined inside a function", key=key, value=path, accepted=accepted)
     cls = getattr(module, class_name, None)
     if cls is None:
         own = [v for v in vars(module).values() if isinstance(v, type) and v.__module__ == module.__name__]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import linecache
 import sys
 from hashlib import sha256
 from pathlib import Path
@@ -17,7 +18,9 @@ _SHIPPED = frozenset(path.partition(":")[0] for path in BUILT_IN.values())
 
 
 def source_of(cls: type[Law]) -> LawSource | None:
-    """The file a law is defined in; None for a shipped law, which its version tells, and where there is no file.
+    """The file a law is defined in, or its notebook cell.
+
+    None for a shipped law, which its version tells, and where there is neither.
 
     What that file imports is not in it.
     """
@@ -25,7 +28,7 @@ def source_of(cls: type[Law]) -> LawSource | None:
         return None
     file = getattr(sys.modules.get(cls.__module__), "__file__", None)
     if file is None:
-        return None
+        return _typed(cls)
     try:
         content = read_bytes(Path(file), LAW_SOURCE_BYTES)
     except SpaceRobotError:
@@ -37,3 +40,9 @@ def source_of(cls: type[Law]) -> LawSource | None:
         # A compiled module has a digest, and nothing to read.
         text = ""
     return LawSource(cls.__qualname__, sha256(content).hexdigest(), text)
+
+
+def _typed(cls: type[Law]) -> LawSource | None:
+    """What was typed where there is no file: notebooks keep the text of their cells for tracebacks."""
+    text = "".join(linecache.getlines(cls.compute.__code__.co_filename))
+    return LawSource(cls.__qualname__, sha256(text.encode()).hexdigest(), text) if text else None

@@ -13,7 +13,7 @@ from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.logs.happened import Witness
 from space_robot_bringup.logs.logged import logged_experiment
 from space_robot_bringup.logs.spans import Spans
-from space_robot_description.rotations import to_rpy
+from space_robot_description.rotations import EULER, to_rpy
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.escapes import mathtext
 from space_robot_msgs_py.interfaces import Vector
@@ -83,7 +83,7 @@ def _draw(figure: Figure, log: LogReader) -> None:
         panels = panels[1:]
     # A plant of another tool may not publish the truth: then it is what was measured.
     truth = arrays.plant.get("true_configuration", arrays.q)
-    _followed(panels[0], arrays.time, _attitude(truth), _attitude(arrays.q_d), AXES, "base attitude [deg]")
+    _followed(panels[0], arrays.time, _attitude(truth), _attitude(arrays.q_d), AXES, f"base attitude, {EULER} [deg]")
     _followed(panels[1], arrays.time, np.degrees(truth[:, 7:]), np.degrees(arrays.q_d[:, 7:]), joints, "joints [deg]")
     _held(panels[2], arrays.time, arrays.wrench[:, 3:], [f"about {axis}" for axis in "xyz"], "base torque [N m]")
     _held(panels[3], arrays.time, arrays.effort_command, joints, "joint effort [N m]")

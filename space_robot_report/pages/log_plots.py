@@ -10,12 +10,13 @@ import numpy as np
 from space_robot_bringup.judge.metrics import Matrix, deviations
 from space_robot_bringup.judge.verdict import INTEGRATION_ERROR, PLANT_BOUNDS
 from space_robot_description.robot import Robot
-from space_robot_description.rotations import to_rpy
+from space_robot_description.rotations import EULER, to_rpy
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.arrays import LogArrays
 from space_robot_report.block_names import block_names
 from space_robot_report.pages.plots import Plot, Trace, lines
+from space_robot_report.pages.telemetry import varying
 
 RPY, XYZ = ("roll", "pitch", "yaw"), ("x", "y", "z")
 # A legend of more lines than this hides the plot.
@@ -60,9 +61,12 @@ def motion_plots(
         return
     errors = deviations(truth, arrays.q_d)
     turned = np.degrees(errors[:, 3:6])
-    yield _followed("Base attitude [deg]", time, _attitude(truth, whole), _attitude(arrays.q_d, whole), RPY)
+    yield _followed(f"Base attitude, {EULER} [deg]", time, _attitude(truth, whole), _attitude(arrays.q_d, whole), RPY)
     angle = Trace("angle", time, np.linalg.norm(turned, axis=1), "#1d2329")
-    yield Plot("Attitude error [deg]", [*lines(time, turned, [f"about {axis}" for axis in XYZ]), angle])
+    yield Plot(
+        "Attitude error, rotation vector in the reference's axes [deg]",
+        [*lines(time, turned, [f"about {axis}" for axis in XYZ]), angle],
+    )
     if robot is None or robot.base_mode == "free_flying":
         yield _followed("Base position [m]", time, truth[:, :3], arrays.q_d[:, :3], XYZ)
         yield Plot("Base position error [m]", lines(time, errors[:, :3], XYZ))
@@ -107,10 +111,8 @@ def conservation_plots(arrays: LogArrays) -> Iterator[Plot]:
 
 
 def telemetry_plots(time: Vector, blocks: Mapping[str, Matrix], joints: Sequence[str] = ()) -> Iterator[Plot]:
-    """Every block of telemetry under its own name, its numbers under those of axes and joints; see ``block_names``."""
-    for label, block in blocks.items():
-        if label in SHOWN or not block.shape[1]:
-            continue
+    """Every block of telemetry that changes, under its own name, its numbers under those of axes and joints."""
+    for label, block in varying(blocks, SHOWN).items():
         names = block_names(block.shape[1], joints)
         yield Plot(label, lines(time, block, names, legend=len(names) <= MAX_LEGEND))
 

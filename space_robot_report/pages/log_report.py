@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.judge.conclusion import passed
+from space_robot_bringup.judge.metrics import ROTATIONS
 from space_robot_bringup.logs.assessed import JudgedLog
 from space_robot_bringup.logs.commander import law_said
 from space_robot_bringup.logs.foreign_bag import PLAIN, Source
@@ -19,9 +20,10 @@ from space_robot_msgs_py.interfaces import NANOSECONDS
 from space_robot_msgs_py.paths import StrPath
 from space_robot_report.pages.html import script
 from space_robot_report.pages.interactive import PlotBook, embedded, interactive_page
-from space_robot_report.pages.log_plots import conservation_plots, effort_plots, motion_plots, telemetry_plots
+from space_robot_report.pages.log_plots import SHOWN, conservation_plots, effort_plots, motion_plots, telemetry_plots
 from space_robot_report.pages.paper_section import paper_figures
 from space_robot_report.pages.scene import scene
+from space_robot_report.pages.telemetry import check_units, constants
 from space_robot_report.palette import FAULT, mode_colors
 from space_robot_report.playback import WITHOUT
 
@@ -70,6 +72,8 @@ def log_page(judged: JudgedLog, meshes: Sequence[Path] = ()) -> str:
         "source": judged.experiment.source if judged.experiment else "",
         "summary": _summary(judged),
         "verdict": _verdict(judged),
+        "rotations": ROTATIONS,
+        "units": check_units(judged.metrics),
         "metrics": judged.metrics,
         "scene": embedded(played) if played else "",
         "tool": tool,
@@ -163,8 +167,20 @@ def _sections(judged: JudgedLog, book: PlotBook) -> list[dict[str, Any]]:
         "Conservation": conservation_plots(arrays),
         "What else the plant shows": telemetry_plots(arrays.time, arrays.plant, joints),
     }
-    drawn = [{"title": title, "plots": book.all(list(plots))} for title, plots in sections.items()]
-    return [section for section in drawn if section["plots"]]
+    folded = {
+        "What the law shows": constants(arrays.controller),
+        "What else the plant shows": constants({k: v for k, v in arrays.plant.items() if k not in SHOWN}),
+    }
+    drawn = [
+        {
+            "title": title,
+            "anchor": title.lower().replace(" ", "-"),
+            "plots": book.all(list(plots)),
+            "constants": folded.get(title, []),
+        }
+        for title, plots in sections.items()
+    ]
+    return [section for section in drawn if section["plots"] or section["constants"]]
 
 
 def _provenance(judged: JudgedLog) -> dict[str, str]:

@@ -40,11 +40,17 @@ function markTime(time) {
   }
 }
 
+const waiting = new Set(document.querySelectorAll(".plot"));
+
+function drawOnce(place) {
+  if (!waiting.delete(place)) return;
+  sight.unobserve(place);
+  draw(place);
+}
+
 const sight = new IntersectionObserver((entries) => {
-  for (const entry of entries) {
-    if (!entry.isIntersecting) continue;
-    sight.unobserve(entry.target);
-    draw(entry.target);
-  }
+  for (const entry of entries) if (entry.isIntersecting) drawOnce(entry.target);
 }, {rootMargin: "600px"});
-document.querySelectorAll(".plot").forEach((place) => sight.observe(place));
+waiting.forEach((place) => sight.observe(place));
+// What was never in sight is printed all the same.
+window.addEventListener("beforeprint", () => [...waiting].forEach(drawOnce));

@@ -8,19 +8,21 @@ from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from space_robot_bringup.compose.composition import Composition, versions
 from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.conclusion import FAIL, conclusion, passed
 from space_robot_bringup.judge.metrics import PER_AXIS, metric_names
 from space_robot_bringup.judge.verdict import check_bounds, check_expectations
+from space_robot_bringup.public.calls import needing
 from space_robot_msgs_py.atomic_file import write_atomically
-from space_robot_msgs_py.errors import SilenceError, SpecError
+from space_robot_msgs_py.errors import LogError, SilenceError, SpecError
 from space_robot_msgs_py.extras import install
 from space_robot_studies.campaign.cases import check_cases, make_case
 from space_robot_studies.campaign.directory import check_directory, open_campaign, to_yaml
 from space_robot_studies.campaign.run_case import CaseResult, Keep, failure, run_case, warm
+from space_robot_studies.campaign.session_laws import packed_laws
 from space_robot_studies.campaign.spec import Campaign, load_campaign
 from space_robot_studies.campaign.statistics import RATES, Group, summarise, summary_names
 from space_robot_studies.engine.hooks import StudyHooks
@@ -29,12 +31,15 @@ from space_robot_studies.engine.storage import guarded
 from space_robot_studies.engine.tasks import TIME_LIMIT, Lost, Task, Workers
 from space_robot_studies.engine.workers import check_workers, open_workers
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 TABLE, SUMMARY = "table.parquet", "summary.json"
 # What table and summary are made with, at the very end.
 NEEDED = ("pyarrow", "scipy")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, weakref_slot=True)
 class CampaignResult:
     """What a campaign left behind.
 
@@ -57,6 +62,19 @@ class CampaignResult:
     checks: tuple[Check, ...]
     wall_time: float
     lost: int = 0
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The table: a row per case by its index, with what was varied and drawn, the outcome and every metric.
+
+        Raises:
+            SpecError: pandas is not installed.
+            LogError: the campaign was not completed, and has no table.
+        """
+        with needing("to_pandas", "pandas"):
+            import pandas as pd
+        if not self.groups:
+            raise LogError(f"has no table: {self.end_reason}", key=str(self.directory), accepted="resume")
+        return pd.read_parquet(self.directory / TABLE).set_index("index")
 
     @property
     def passed(self) -> bool | None:
@@ -101,7 +119,7 @@ def run_campaign(
         raise SpecError("no such choice", key="--keep", value=keep, accepted=", ".join(get_args(Keep)))
     loaded = campaign if isinstance(campaign, Campaign) else load_campaign(campaign)
     checked = CheckedCampaign.of(loaded, Path(directory), resume=resume, stop=hooks.stop)
-    first = (warm, (make_case(loaded, 0).data,))
+    first = (warm, (make_case(loaded, 0).data, packed_laws(loaded, scheduler)))
     with open_workers(workers, time_limit=time_limit, scheduler=scheduler, warm=first, stop=hooks.stop) as pool:
         return checked.run(pool, keep, time_limit, hooks)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from space_robot_bringup.experiment.experiment import Overrides
 from space_robot_bringup.public.calls import for_python, needing
 from space_robot_msgs_py.paths import StrPath
 from space_robot_studies.engine.tasks import TIME_LIMIT
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 @for_python
 def campaign(
     file: StrPath,
+    overrides: Overrides | None = None,
     *,
     out: StrPath | None = None,
     runs: int | None = None,
@@ -31,6 +33,7 @@ def campaign(
 
     Args:
         file: a shipped name such as ``fig08_dispersed``, or the path of a YAML file.
+        overrides: of the experiment, for all runs; see ``run``. A law may be a class of this program.
         out: directory of rows, bags, ``table.parquet`` and ``summary.json``; None: ``runs/<name>``.
         runs: per point of the grid; None: what the file says.
         workers: local worker processes; None: one per core.
@@ -52,7 +55,7 @@ def campaign(
 
     place = Path("runs") / campaign_path(file).stem if out is None else Path(out)
     return run_campaign(
-        load_campaign(file, runs),
+        load_campaign(file, runs, overrides or ()),
         place,
         workers=workers,
         scheduler=scheduler,

@@ -18,6 +18,7 @@ from space_robot_bringup.modes.headless import run_in_memory, write_bag
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.writer import MemorySink
+from space_robot_studies.campaign.session_laws import unpack_laws
 from space_robot_studies.engine.worker import bug
 
 Keep = Literal["failed", "all", "none"]
@@ -68,8 +69,14 @@ def run_case(data: Mapping[str, Any], name: str, keep: Keep) -> CaseResult:
     return CaseResult(columns, bag, trace, perf_counter() - began)
 
 
-def warm(data: Mapping[str, Any]) -> None:
-    """Load, or compile, what runs of an experiment need: plant and law are made."""
+def warm(data: Mapping[str, Any], laws: bytes = b"") -> None:
+    """Load, or compile, what runs of an experiment need: plant and law are made.
+
+    Args:
+        data: the experiment.
+        laws: of the program that asks, see ``packed_laws``.
+    """
+    unpack_laws(laws)
     composition = compose(experiment_from(data, "first case"))
     composition.plant().reset()
 

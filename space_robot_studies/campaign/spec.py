@@ -9,9 +9,10 @@ from typing import Any, Self
 from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
 from space_robot_bringup.experiment.base import with_base
-from space_robot_bringup.experiment.dotted_keys import set_key
+from space_robot_bringup.experiment.dotted_keys import LAW_KEY, set_key
 from space_robot_bringup.experiment.expectations import Expectation
-from space_robot_bringup.experiment.experiment import experiment_from, located, read_experiment
+from space_robot_bringup.experiment.experiment import Overrides, assignments, experiment_from, located, read_experiment
+from space_robot_description.frozen import plain
 from space_robot_description.load import load_robot
 from space_robot_description.share import is_file, shipped_or_file
 from space_robot_description.spec import Strict, Title
@@ -101,18 +102,19 @@ class Campaign(Strict):
         return point_at(self.vary, at)
 
 
-def load_campaign(name_or_path: StrPath, runs: int | None = None) -> Campaign:
+def load_campaign(name_or_path: StrPath, runs: int | None = None, overrides: Overrides = ()) -> Campaign:
     """Read a campaign and resolve it: the result holds its experiment, robot included, and needs no other file.
 
     Args:
         name_or_path: a shipped name such as ``fig08_dispersed``, or the path of a YAML file.
         runs: instead of what the file says.
+        overrides: of the experiment, for all runs: they join ``set``.
 
     Raises:
         InputFileError: there is no such file.
         SpecError: a key or value cannot be used.
     """
-    return resolved(read_campaign(name_or_path, runs), campaign_path(name_or_path))
+    return resolved(read_campaign(name_or_path, runs, overrides), campaign_path(name_or_path))
 
 
 def resolved(campaign: Campaign, path: Path) -> Campaign:
@@ -120,12 +122,16 @@ def resolved(campaign: Campaign, path: Path) -> Campaign:
     return campaign.model_copy(update={"experiment": _experiment(campaign, path), "set": {}})
 
 
-def read_campaign(name_or_path: StrPath, runs: int | None = None) -> Campaign:
+def read_campaign(name_or_path: StrPath, runs: int | None = None, overrides: Overrides = ()) -> Campaign:
     """The campaign as its file says it, with paths beside that file made whole; see ``load_campaign``."""
     path = campaign_path(name_or_path)
     data = parse_yaml(path)
     campaign = validate(Campaign, data if runs is None else data | {"runs": runs}, os.fspath(name_or_path))
-    return with_files(campaign, path.parent)
+    # The law first: gains given beside it are meant for it. A path in an override is relative to where it was typed.
+    given = sorted(assignments(overrides), key=lambda one: one[0] != LAW_KEY)
+    typed = {key: plain(value) for key, value, _ in given}
+    there = with_files(campaign, path.parent)
+    return there.model_copy(update={"set": {**there.set, **typed}}) if typed else there
 
 
 def campaign_path(name_or_path: StrPath) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from importlib.metadata import version
 
 import pytest
@@ -71,3 +72,54 @@ def test_a_beginning_of_nothing_is_said(space_robot: Tool) -> None:
     done = space_robot("list", "robots", "servicr")
     assert done.returncode == 2
     assert "NAME: none begins so; got 'servicr'; accepted: servicer" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("run liu2023/fig0", ["liu2023/fig08", "liu2023/fig09"]),
+        ("run --mode ", ["headless", "graph", "processes"]),
+        ("list la", ["laws"]),
+        ("campaign fig08_dispersed --keep a", ["all"]),
+        ("replay x --against p", ["plant"]),
+        ("reproduce li", ["liu2023"]),
+        ("robot mi", ["mini"]),
+        ("new ", ["experiment", "law", "robot", "study"]),
+    ],
+)
+def test_a_shell_completes_names_and_choices(
+    space_robot: Tool, monkeypatch: pytest.MonkeyPatch, typed: str, offered: list[str]
+) -> None:
+    """What is shipped, and what an option accepts."""
+    monkeypatch.setenv("_SPACE_ROBOT_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", f"space-robot {typed}")
+    monkeypatch.setenv("COMP_CWORD", str(len(typed.split()) + typed.endswith(" ")))
+    assert space_robot().stdout.split() == offered
+
+
+def test_what_completion_offers_is_what_is_accepted() -> None:
+    """The choices of the shell are those of the library."""
+    from space_robot_bringup.logs.happened import SEVERITIES, SOURCES
+    from space_robot_cli.catalogue import EXPLAINED, catalogue
+    from space_robot_cli.check import KINDS
+    from space_robot_cli.main import FILES, LISTED, STARTS
+    from space_robot_cli.new import KINDS as STARTED
+
+    assert {"list": set(LISTED), "files": set(FILES), "new": set(STARTS)} == {
+        "list": {*catalogue(), *EXPLAINED},
+        "files": set(KINDS),
+        "new": set(STARTED),
+    }
+    assert (set(SEVERITIES), set(SOURCES)) == (
+        {"info", "low", "medium", "high"},
+        {"fault", "plant", "supervisor", "controller"},
+    )
+
+
+def test_the_time_of_the_run_and_the_whole_time_stand_apart(space_robot: Tool) -> None:
+    """Set-up and verdict are in the whole time only; both are printed, and in the JSON."""
+    found = json.loads(space_robot("run", "liu2023/fig08", "--duration", "1", "--json").stdout)
+    assert found["whole_time"] > found["wall_time"] > 0.0
+    said = space_robot("run", "liu2023/fig08", "--duration", "1").stdout
+    assert "first tick to last" in said
+    assert "with set-up, log and verdict" in said

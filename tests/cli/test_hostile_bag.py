@@ -96,6 +96,8 @@ READ_LOGS: dict[str, tuple[tuple[str, ...], ...]] = {
     "events": ((), ("--json",)),
     "report": ((),),
     "plot": ((),),
+    "video": (("--seconds", "0.4", "--fps", "5"),),
+    "export": ((), ("--out", "table.parquet", "--overwrite")),
     "recover": ((),),
     "replay": (
         (),

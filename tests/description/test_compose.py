@@ -223,7 +223,7 @@ BAD_FILES: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "wheel momentum": (
         {"actuators": actuators(base_torque=WHEELS | {"momentum": 0})},
-        "robot actuators.base_torque.momentum: not accepted; got 0; accepted: Input should be greater than 0",
+        "robot actuators.base_torque.momentum: not accepted; got 0; accepted: a number greater than 0",
     ),
     "initial momentum": (
         {"actuators": actuators(base_torque=WHEELS | {"initial_momentum": [0, 0]})},

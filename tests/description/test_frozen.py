@@ -94,6 +94,17 @@ def test_every_way_to_change_a_container_is_refused(change: Callable[[Experiment
     assert to_yaml(experiment) == before
 
 
+@pytest.mark.parametrize("name", ["duration", "controller", "no_such_field"])
+def test_a_field_cannot_be_set_or_deleted(name: str) -> None:
+    """It is an AttributeError in the words of this project, as of every immutable object."""
+    experiment = experiment_from(DATA, "test")
+    for change in (lambda: setattr(experiment, name, 1.0), lambda: delattr(experiment, name)):
+        with pytest.raises(AttributeError, match=f"^{name}: read-only") as caught:
+            change()
+        assert "pydantic" not in str(caught.value)
+    assert experiment == experiment_from(DATA, "test")
+
+
 def test_an_experiment_copies_the_mapping_it_is_made_from() -> None:
     """Changing the mapping afterwards changes no experiment that was made from it."""
     data = copy.deepcopy(DATA)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 import pytest
 from pydantic import Field
+from pydantic_core.core_schema import ErrorType
 
+from space_robot_description.complaints import WORDS
 from space_robot_description.spec import Actuators, Strict, expand
 from space_robot_description.validation import nearest, parse_yaml, parse_yaml_text, validate
 from space_robot_msgs_py.errors import InputFileError, NonFiniteError, SpecError
@@ -52,11 +54,11 @@ BAD_DATA = {
         "f.yaml parts.1.gian: unknown key; accepted: did you",
     ),
     "in a mapping": ({"named": {"a": {"gain": 1, "gian": 2}}}, "f.yaml named.a.gian: unknown key"),
-    "literal": ({"mode": "fats"}, "f.yaml mode: not accepted; got 'fats'; accepted: Input should be 'fast' or 'slow'"),
+    "literal": ({"mode": "fats"}, "f.yaml mode: not accepted; got 'fats'; accepted: 'fast' or 'slow'"),
     "missing": ({"parts": [{}]}, "f.yaml parts.0.gain: is required and missing"),
-    "bound": ({"parts": [{"gain": 0}]}, "f.yaml parts.0.gain: not accepted; got 0; accepted: Input should be greater"),
+    "bound": ({"parts": [{"gain": 0}]}, "f.yaml parts.0.gain: not accepted; got 0; accepted: a number greater than 0"),
     "tag": ({"part": {"kind": "inne"}}, "f.yaml part: not accepted"),
-    "union": ({"value": "x"}, "f.yaml value: not accepted; got 'x'; accepted: Input should be a valid number"),
+    "union": ({"value": "x"}, "f.yaml value: not accepted; got 'x'; accepted: a number, or a list"),
     "two": ({"mode": 1, "value": "x"}, "f.yaml mode: not accepted (and 1 more)"),
     "nan": ({"value": float("nan")}, "f.yaml value: not accepted"),
     "no mapping": ([1], "f.yaml: not accepted"),
@@ -71,6 +73,58 @@ def test_bad_data_is_one_line_with_the_dotted_key(case: str) -> None:
         validate(Outer, data, "f.yaml")
     assert message in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_all_complaints_are_there() -> None:
+    """The error says the first and how many more; its problems are all, each as if it were alone."""
+    with pytest.raises(SpecError) as error:
+        validate(Outer, {"mode": 1, "value": "x", "zzz": 2}, "f.yaml")
+    assert [problem.key for problem in error.value.problems] == ["f.yaml zzz", "f.yaml mode", "f.yaml value"]
+    assert all("more" not in str(problem) for problem in error.value.problems)
+    with pytest.raises(SpecError) as one:
+        validate(Outer, {"zzz": 2}, "f.yaml")
+    assert one.value.problems == ()
+
+
+KINDS = [
+    ({"x": "1"}, "a number"),
+    ({"n": 1.5}, "a whole number"),
+    ({"yes": "maybe"}, "true or false"),
+    ({"text": 1}, "text"),
+    ({"three": [1, 2]}, "at least 3 values, not 2"),
+    ({"three": [1, 2, 3, 4]}, "at most 3 values, not 4"),
+    ({"three": 1}, "a list"),
+    ({"section": 1}, "a section with keys"),
+    ({"table": [1]}, "a section with keys"),
+    ({"tagged": {}}, "a section with kind"),
+    ({"tagged": {"kind": "third"}}, "kind: 'inner', 'other'"),
+    ({"share": 1.5}, "a number less than or equal to 1"),
+    ({"text": "x" * 30_000}, "text of at most 20000 characters"),
+]
+
+
+class Kinds(Strict):
+    """A value of every kind."""
+
+    x: float = 0.0
+    n: int = 0
+    yes: bool = False
+    text: str = ""
+    three: Annotated[tuple[float, ...], Field(min_length=3, max_length=3)] = (0.0, 0.0, 0.0)
+    section: Inner | None = None
+    table: dict[str, float] = Field(default_factory=dict)
+    tagged: Annotated[Inner | Other, Field(discriminator="kind")] | None = None
+    share: Annotated[float, Field(le=1.0)] = 0.0
+
+
+@pytest.mark.parametrize(("data", "words"), KINDS)
+def test_what_is_accepted_is_said_in_words_of_this_project(data: dict[str, object], words: str) -> None:
+    """Whatever the value: the sentences of the library below are for programmers."""
+    with pytest.raises(SpecError) as error:
+        validate(Kinds, data, "f.yaml")
+    assert words in error.value.accepted
+    assert "nput" not in str(error.value)
+    assert set(WORDS) <= set(get_args(ErrorType))
 
 
 def test_missing_key_of_a_union_member_is_named() -> None:

@@ -6,6 +6,7 @@ import re
 import shlex
 import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -143,7 +144,10 @@ def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     for directory in {name for text in snippets for name in re.findall(r'"((?:runs|out)/[\w/]+)"', text)}:
         run_experiment(load_experiment("liu2023/fig08", ["duration=1.0"]), Path(directory), mode="headless")
     for text in snippets:
-        exec(compile(text, "docs", "exec"), {"__name__": "__main__"})
+        # As in a notebook: what a snippet defines is of the running program.
+        main = ModuleType("__main__")
+        monkeypatch.setitem(sys.modules, "__main__", main)
+        exec(compile(text, "docs", "exec"), vars(main))
 
 
 def shell_lines(page: str) -> list[str]:
@@ -233,7 +237,7 @@ def test_commands_of_the_page_on_seeing_work_in_their_order(tmp_path: Path, monk
     pytest.importorskip("plotly")
     monkeypatch.chdir(tmp_path)
     lines = [line for line in shell_lines("view.md") if line.startswith("space-robot") and " view " not in line]
-    assert len(lines) == 4
+    assert len(lines) == 6
     for line in lines:
         assert exit_code(line, monkeypatch) == 0, line
     assert (tmp_path / "runs" / "fig08.html").is_file()

@@ -22,6 +22,7 @@ FOREIGN = {
     "JointModelFreeFlyer": "Pinocchio",
     "SeedSequence": "NumPy",
     "pin.aba": "Pinocchio",
+    "gymnasium.wrappers.RescaleAction": "gymnasium",
     "layout.dim": "a field of std_msgs/Float64MultiArray",
     "cmeel.prefix/share": "where the wheels of Pinocchio and example-robot-data put data",
     "BAG_recovered": "named after the bag",
@@ -82,7 +83,7 @@ def name_exists(name: str, before: tuple[str, ...]) -> bool:
     if called:
         return word in TREE.functions or word in TREE.classes
     if word.startswith("space_robot_"):
-        return word in TREE.modules
+        return word in TREE.modules or word in TREE.functions
     return not CAMEL.fullmatch(word) or word in TREE.classes or any(word in bound for bound in TREE.modules.values())
 
 

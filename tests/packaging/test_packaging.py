@@ -89,6 +89,18 @@ def test_there_is_one_version() -> None:
     assert {package.findtext("version"), citation["version"], *named} == {PROJECT["version"]}
 
 
+def test_the_container_file_installs_what_there_is() -> None:
+    """Its extras and its command exist; what it ignores is what git ignores."""
+    text = (ROOT / "Dockerfile").read_text()
+    (extras,) = re.findall(r"'/src\[([\w,]+)\]'", text)
+    assert set(extras.split(",")) <= PROJECT["optional-dependencies"].keys()
+    (experiment,) = re.findall(r"space-robot run (\S+) --out", text)
+    assert (ROOT / "config" / "experiments" / f"{experiment}.yaml").is_file()
+    ignored = {line.strip("/") for line in (ROOT / ".gitignore").read_text().split()}
+    mine = {line.removeprefix("**/") for line in (ROOT / ".dockerignore").read_text().split()}
+    assert mine - {".git", ".*_cache"} <= ignored
+
+
 def test_there_is_one_license_and_one_address(wheel: zipfile.ZipFile) -> None:
     """Licence and repository agree in wheel, package.xml and CITATION.cff; the wheel has the text of the licence."""
     name = f"space_robot-{PROJECT['version']}.dist-info"

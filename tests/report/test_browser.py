@@ -122,7 +122,9 @@ def test_the_page_of_a_run_plays(bag: Path, tmp_path: Path, browser: Any) -> Non
     assert moved(before, after) > MOVED
     assert browser.locator("#play").inner_text() == "Play"
     assert float(browser.locator("#slider").input_value()) > 3.0
-    browser.get_by_role("heading", name="Base attitude [deg]", exact=True).scroll_into_view_if_needed()
+    browser.get_by_role(
+        "heading", name="Base attitude, Euler angles R = Rz Ry Rx [deg]", exact=True
+    ).scroll_into_view_if_needed()
     eventually(lambda: browser.locator(".plot .main-svg").count() > 2, browser, "plots")
 
 

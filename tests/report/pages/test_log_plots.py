@@ -13,6 +13,7 @@ from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.log.arrays import arrays_of
 from space_robot_report.block_names import block_names
 from space_robot_report.pages.log_plots import motion_plots
+from space_robot_report.pages.telemetry import check_units, constants, varying
 from tests.support import values
 
 
@@ -39,3 +40,15 @@ def test_numbers_of_a_block_have_names() -> None:
     assert block_names(3, ("a", "b", "c")) == ("[0]", "[1]", "[2]")
     assert block_names(5, joints) == ("[0]", "[1]", "[2]", "[3]", "[4]")
     assert block_names(1, joints) == ("",)
+
+
+def test_what_does_not_change_is_folded() -> None:
+    """Once as a line of numbers, and not as a plot; each block is in one of the two."""
+    blocks = {"still": np.full((5, 2), 0.5), "moves": np.arange(5.0).reshape(5, 1), "many": np.ones((5, 40))}
+    assert constants(blocks) == [("still", "0.5, 0.5"), ("many", f"{', '.join(['1'] * 12)}, ...")]
+    assert list(varying(blocks)) == ["moves"]
+
+
+def test_metrics_have_units() -> None:
+    """Those of a run without axes, too."""
+    assert check_units(None) == {"effort_integral": "N m s", "joint_limit": "rad or m", "integration_error": "rad or m"}
