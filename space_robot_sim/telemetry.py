@@ -24,6 +24,11 @@ class PlantTelemetry:
         robot: the true robot.
         wheels: number of its reaction wheels.
         estimated: the integration estimates its error.
+
+    Attributes:
+        labels: of the blocks.
+        sizes: of the blocks.
+        traits: limits (2, n) of the joints, whether the robot is free-floating, ``estimated``.
     """
 
     def __init__(self, robot: Robot, wheels: int, *, estimated: bool = True) -> None:
@@ -46,7 +51,8 @@ class PlantTelemetry:
         self._estimated = estimated
         if estimated:
             blocks["integration_error"] = 1
-        self._labels, self._sizes = tuple(blocks), tuple(blocks.values())
+        self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
+        self.traits = np.array([robot.joint_lower, robot.joint_upper]), self._floating, estimated
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
     def of(self, stamp: int, acting: Acting, plant: PlantMemory) -> Telemetry:
@@ -69,4 +75,4 @@ class PlantTelemetry:
             plant.allocation.saturated,
             np.array(rest),
         )
-        return Telemetry(stamp, self._labels, self._sizes, np.concatenate(parts))
+        return Telemetry(stamp, self.labels, self.sizes, np.concatenate(parts))

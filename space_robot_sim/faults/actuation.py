@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.arrays import LOCKED, RobotArrays
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.faults.base import Actuation, ActuationFault
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.kernel.allocation import Capability
-from space_robot_sim.kernel.arrays import LOCKED, RobotArrays
 
 
 class Acts(NamedTuple):
