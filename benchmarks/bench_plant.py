@@ -12,12 +12,13 @@ from time import perf_counter
 
 import numpy as np
 
+from space_robot_description.kernel.arrays import robot_arrays
+from space_robot_description.kernel.context import context_of
 from space_robot_description.kernel.jit import bound
 from space_robot_msgs_py.interfaces import Command, Vector
 from space_robot_sim.actuators import capability, motor_numbers
 from space_robot_sim.integrators import stepping
-from space_robot_sim.kernel.arrays import robot_arrays
-from space_robot_sim.kernel.period import advance, plant_memory
+from space_robot_sim.kernel.period import PlantContext, advance, plant_memory
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from space_robot_sim.spec import IntegratorSpec
 from tests.support.robots import LivelyMotion, MujocoTwin, arm_model, robot_of
@@ -77,14 +78,13 @@ def _kernel(spec: IntegratorSpec, efforts: list[Vector]) -> Contender:
     arrays, able = robot_arrays(robot.model, motor_numbers(robot)), capability(robot, PERIOD)
     how, plant, (q, v) = stepping(spec, arrays, PERIOD), plant_memory(JOINTS, 0), _start()
     commands = [np.concatenate([np.zeros(6), effort]) for effort in efforts]
-    compiled = bound(advance, arrays, able, how, commands[0], 0.1, plant, False)
+    context = context_of(PlantContext(arrays, able, how, plant))
+    compiled = bound(advance, context.address, commands[0], 0.1, False)
 
     def start() -> tuple[Callable[[int], object], Callable[[], Vector]]:
         plant.y[:], how.next_step[:] = 0.0, 0.0
         plant.y[: 13 + 2 * JOINTS] = np.concatenate([q, v])
-        return lambda k: compiled(arrays, able, how, commands[k], 0.1, plant, False), lambda: plant.y[
-            : 7 + JOINTS
-        ].copy()
+        return lambda k: compiled(context.address, commands[k], 0.1, False), lambda: plant.y[: 7 + JOINTS].copy()
 
     return start
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from space_robot_control.kernel.actuators import Actuators
 from space_robot_control.kernel.limits import fits
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
@@ -19,6 +20,8 @@ class CommandLimits:
         robot: the NOMINAL robot.
 
     Attributes:
+        numbers: all of them, for kernels.
+        base: the same of the base alone, as ``kernel.limits.fits`` takes them.
         axes: (3, k) unit axes of the wheels, body frame; none without wheels.
         share: (k, 3) share of every wheel in a torque.
     """
@@ -41,7 +44,8 @@ class CommandLimits:
         shares = self.share if self.share.size else np.identity(3)
         torques = np.full(shares.shape[0], self._wheel_limit) if self.share.size else limit[3:6].copy()
         force = np.zeros(3) if robot.actuators.base_force is None else limit[:3].copy()
-        self._base = shares, torques, force
+        self.base = shares, torques, force
+        self.numbers = Actuators(limit, np.ascontiguousarray(self.axes), self.share, float(self._wheel_limit))
         self._all = np.concatenate((limit, np.full(self.share.shape[0], self._wheel_limit)))
 
     @property
@@ -59,7 +63,7 @@ class CommandLimits:
 
     def base_fits(self, wrench: Vector) -> bool:
         """Return True if force and torque (6,) on the base are within the limits [N, N m]."""
-        return fits(*self._base, wrench)
+        return fits(*self.base, wrench)
 
     def per_axis(self, u: Vector) -> Vector:
         """Return the command (6+n,) with every channel, and every wheel, clipped on its own [N, N m]."""

@@ -7,19 +7,29 @@ from math import isfinite
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.kernel.arrays import robot_arrays
+from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE, inverse_dynamics
+from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 
 
 class NominalModel:
-    """M(q) a + c(q, v) = u over Pinocchio, in the coordinates of ``interfaces.py``; owns its work space.
+    """M(q) a + c(q, v) = u in the coordinates of ``interfaces.py``; owns its work space.
+
+    Inverse dynamics are those of ``kernel/inverse_dynamics.py``, which compiled laws call too: the same bits wherever
+    a law runs. The mass matrix is Pinocchio's.
 
     u = [force(3), torque(3), efforts(n)] is dual to v = [linear(3), angular(3), rates(n)], base part in the body frame
     at the base origin. There is no gravity, so neither the base position nor its attitude enters.
 
     Args:
         robot: the NOMINAL robot.
+
+    Attributes:
+        arrays: the robot as kernels know it.
+        mass: of the whole robot [kg].
 
     Raises:
         SpecError: the model is not a free-flyer with one-DoF joints, or has gravity.
@@ -41,6 +51,10 @@ class NominalModel:
         self._data = model.createData()
         self._lower = np.tril_indices(6 + robot.n, -1)
         self._zero = np.zeros(6 + robot.n)
+        self.arrays = robot_arrays(model)
+        self._work = np.zeros((1 + robot.n, MOTION_SIZE))
+        q, out = np.zeros(7 + robot.n), np.zeros(6 + robot.n)
+        self._inverse_dynamics = bound(inverse_dynamics, self.arrays, q, out, out, self._work, out)
 
     def mass_matrix(self, q: Vector) -> Vector:
         """Return the symmetric (6+n, 6+n) M(q) [kg, kg m, kg m2].
@@ -92,7 +106,10 @@ class NominalModel:
         Raises:
             ControlError: the result is not finite.
         """
-        u = np.array(pin.rnea(self._model, self._data, q, v, a))
+        u = np.empty(6 + self.n)
+        # The machine code takes whatever it is given for numbers side by side.
+        q, v, a = (np.ascontiguousarray(part, dtype=np.float64) for part in (q, v, a))
+        self._inverse_dynamics(self.arrays, q, v, a, self._work, u)
         if not isfinite(u.sum()):
             raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=a.tolist())
         return u

@@ -7,6 +7,8 @@ from copy import copy
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
+from space_robot_control.kernel.wheels import Wheels, apply_to_wheels
+from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import cross
 from space_robot_description.spec import ReactionWheels
@@ -26,8 +28,7 @@ class WheelMomentum:
 
     Attributes:
         present: whether there are wheels.
-        momentum: (3,) h at the present stamp [N m s].
-        middle: (3,) h in the middle of the period that ``apply`` was last called for [N m s].
+        numbers: the same for kernels, with the memory of all that changes.
         measured: (3,) h in the middle of the period that ended at the present stamp [N m s], and (3,) the torque on the
             base over it [N m], both from two readings; None: there are none.
     """
@@ -35,32 +36,41 @@ class WheelMomentum:
     def __init__(self, robot: Robot) -> None:
         wheels = robot.actuators.base_torque
         self.present = isinstance(wheels, ReactionWheels)
-        self.momentum: Vector = np.zeros(3)
-        self.middle: Vector = self.momentum
+        able = CommandLimits(robot).numbers
+        count = able.share.shape[0]
+        capacity, initial = 0.0, np.zeros(count)
+        if isinstance(wheels, ReactionWheels):
+            capacity = wheels.momentum
+            initial = (
+                initial if wheels.initial_momentum is None else np.array(wheels.initial_momentum, dtype=np.float64)
+            )
+        self._initial = initial
+        preserve = int(robot.actuators.saturation == "direction_preserving")
+        self.numbers = Wheels(able, float(capacity), preserve, np.zeros(count), np.zeros(3), np.zeros(3))
         self.measured: tuple[Vector, Vector] | None = None
         self._read = False
         self._begun: tuple[Vector, float] | None = None
-        self._stored: list[float] = []
-        if not isinstance(wheels, ReactionWheels):
-            return
-        self._limits, self._capacity, self._torque = CommandLimits(robot), wheels.momentum, wheels.torque
-        self._preserve = robot.actuators.saturation == "direction_preserving"
-        axes = np.ascontiguousarray(self._limits.axes.T)
-        self._axes, self._taken = axes, -self._limits.share
-        self._bounds = self._limits.channels.tolist()
-        self._stored = [0.0] * len(axes)
-        if wheels.initial_momentum is not None:
-            stored = np.array(wheels.initial_momentum)
-            self._stored, self.momentum = stored.tolist(), stored @ axes
-        self._initial = self._stored, self.momentum
+        self._refill()
+        self._apply = bound(apply_to_wheels, self.numbers, np.zeros(6 + robot.n), 0.0) if self.present else None
+
+    @property
+    def momentum(self) -> Vector:
+        """(3,) h at the present stamp [N m s]."""
+        return self.numbers.momentum.copy()
+
+    @property
+    def middle(self) -> Vector:
+        """(3,) h in the middle of the period that ``apply`` was last called for [N m s]."""
+        return self.numbers.middle.copy()
 
     def at_start(self) -> WheelMomentum:
         """The same wheels with the momentum they start a run with."""
         fresh = copy(self)
-        if self.present:
-            fresh._stored, fresh.momentum = self._initial
-            fresh.middle = np.zeros(3)
-            fresh.measured, fresh._read, fresh._begun = None, False, None
+        fresh.numbers = self.numbers._replace(
+            stored=np.zeros_like(self._initial), momentum=np.zeros(3), middle=np.zeros(3)
+        )
+        fresh.measured, fresh._read, fresh._begun = None, False, None
+        fresh._refill()
         return fresh
 
     def measure(self, momentum: Vector | None) -> None:
@@ -72,9 +82,8 @@ class WheelMomentum:
         self.measured = None
         if momentum is None or not self.present:
             return
-        stored = np.array(self._stored) + self._limits.share @ (momentum - self.momentum)
-        # A copy: the kernels are compiled for arrays that can be written to.
-        self._stored, self.momentum = stored.tolist(), np.array(momentum)
+        self.numbers.stored[:] += self.numbers.able.share @ (momentum - self.numbers.momentum)
+        self.numbers.momentum[:] = momentum
         if self._begun is not None:
             before, seconds = self._begun
             self.measured = 0.5 * (before + momentum), (before - momentum) / seconds
@@ -82,31 +91,14 @@ class WheelMomentum:
     def add_torque(self, u: Vector, omega: Vector) -> None:
         """Add omega x h to u (6+n,), what a base that turns at omega (3,) [rad/s] needs beside M a + c [N m]."""
         if self.present:
-            u[3:6] += cross(omega.tolist(), self.momentum.tolist())
+            u[3:6] += cross(omega.tolist(), self.numbers.momentum.tolist())
 
     def apply(self, u: Vector, seconds: float) -> None:
         """Integrate the command u (6+n,) [N, N m] that acts over a time [s]."""
-        if not self.present:
-            return
         self._begun = (self.momentum, seconds) if self._read else None
-        # On Python's floats, where the rounding is the same: of so few numbers several times faster than NumPy.
-        torque = self._taken @ u[3:6]
-        rates, capacity = torque.tolist(), self._capacity
-        if all([abs(one) <= most for one, most in zip(u.tolist() + rates, self._bounds, strict=True)]):
-            filled = [stored + seconds * rate for stored, rate in zip(self._stored, rates, strict=True)]
-            if all([abs(one) <= capacity for one in filled]):
-                # The same sum without the detour over the wheels: its rounding is part of every log.
-                taken = 0.5 * seconds * u[3:6]
-                self.middle = self.momentum - taken
-                self._stored, self.momentum = filled, self.middle - taken
-                return
-        else:
-            scale = self._limits.common_scale(u) if self._preserve else 1.0
-            torque = np.clip(scale * torque, -self._torque, self._torque)
-        stored = np.array(self._stored)
-        self.middle = self._within(stored + 0.5 * seconds * torque) @ self._axes
-        stored = self._within(stored + seconds * torque)
-        self._stored, self.momentum = stored.tolist(), stored @ self._axes
+        if self._apply is not None:
+            self._apply(self.numbers, np.ascontiguousarray(u, dtype=np.float64), seconds)
 
-    def _within(self, stored: Vector) -> Vector:
-        return np.clip(stored, -self._capacity, self._capacity)
+    def _refill(self) -> None:
+        self.numbers.stored[:] = self._initial
+        self.numbers.momentum[:] = self._initial @ self.numbers.able.axes.T

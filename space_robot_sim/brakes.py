@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from space_robot_description.kernel.arrays import LOCKED, RobotArrays
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import LOCKED, RobotArrays
 from space_robot_sim.kernel.period import PlantMemory
 from space_robot_sim.kernel.rhs import COULOMB, COULOMB_VELOCITY, LAG, STORED, VISCOUS
 

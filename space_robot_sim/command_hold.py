@@ -35,11 +35,12 @@ class CommandHold:
         hold: what acts in place of a missing command: nothing, the last one, or the last one for some periods.
 
     Attributes:
+        delay: periods by which a command acts late.
         held: the last command that came.
     """
 
     def __init__(self, joints: int, *, delay_periods: Literal[0, 1], hold: Hold) -> None:
-        self._joints, self._delay = joints, delay_periods
+        self._joints, self.delay = joints, delay_periods
         self._patience: float = hold.last_for if isinstance(hold, HoldFor) else inf if hold == "last" else 0
         self._brakes = isinstance(hold, HoldFor) and hold.brakes
         self._nothing = Acting(np.zeros(6 + joints), NO_COMMAND)
@@ -63,7 +64,7 @@ class CommandHold:
             CommandError: the command is not for this many joints.
         """
         acting = self._accept(command)
-        if self._delay:
+        if self.delay:
             acting, self._waiting = self._waiting, acting
         return acting
 

@@ -29,6 +29,11 @@ class CommandMonitor:
         self._spec, self._limit, self._names = spec, limit, (*CHANNELS, *joint_names)
         self.reset()
 
+    @property
+    def checks(self) -> bool:
+        """Whether anything is checked."""
+        return self._spec is not None
+
     def reset(self) -> None:
         """Forget all commands and counts."""
         self._last: Vector | None = None

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from space_robot_description.kernel import jit
+from space_robot_description.kernel.arrays import RobotArrays
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
-from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.rhs import COULOMB, LAG, VISCOUS
 from space_robot_sim.kernel.steps import DOP853, DOP853_ADAPTIVE, DOP853_CHECKED, RK4, Stepping
 from space_robot_sim.spec import IntegratorSpec, fixed_steps, method

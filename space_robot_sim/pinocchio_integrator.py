@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.kernel.arrays import LOCKED, RobotArrays
 from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import LOCKED, RobotArrays
 from space_robot_sim.kernel.rhs import (
     BEGIN,
     COULOMB,

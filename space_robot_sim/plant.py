@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from space_robot_description.actuation import brake_torque, command_limit
+from space_robot_description.kernel.arrays import LOCKED, RobotArrays, robot_arrays
+from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
@@ -26,15 +28,33 @@ from space_robot_sim.faults.wires import CommandWire
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
-from space_robot_sim.kernel.arrays import LOCKED, RobotArrays, robot_arrays
 from space_robot_sim.kernel.momentum import ENERGY, LINEAR
-from space_robot_sim.kernel.period import PlantMemory, advance, plant_memory, reset_baseline, settle
+from space_robot_sim.kernel.period import PlantContext, PlantMemory, advance, plant_memory, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
-from space_robot_sim.sensors import Sensors, check_wheels
+from space_robot_sim.sensor_rule import check_wheels
+from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
+
+
+class PlantNumbers(NamedTuple):
+    """A plant in numbers, see ``kernel/period.py`` and ``kernel/sensors.py``.
+
+    Attributes:
+        context: where ``advance`` finds all of it.
+        memory: its state, which changes.
+        sensors: what is seen of it.
+        telemetry: its layout, and what it depends on.
+        delay: periods by which a command acts late.
+    """
+
+    context: Context
+    memory: PlantMemory
+    sensors: Sensors
+    telemetry: PlantTelemetry
+    delay: int
 
 
 class SimulatedRobot:
@@ -84,7 +104,8 @@ class SimulatedRobot:
         self._monitor = CommandMonitor(monitor, command_limit(robot), robot.joint_names)
         self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
         self._changes = (RobotChange(0, robot), *changes)
-        self._healthy = self._arrays = robot_arrays(robot.model, motor_numbers(robot))
+        self._robots = [robot_arrays(one.robot.model, motor_numbers(one.robot)) for one in self._changes]
+        self._healthy = self._arrays = self._robots[0]
         self._able = capability(robot, control_period)
         self._plan = faults or FaultPlan((), control_period, 0)
         self._brake_torque = brake_torque(robot)
@@ -101,9 +122,10 @@ class SimulatedRobot:
         self._sensors = Sensors(sensors, robot.n, control_period, seed)
         self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4", braked=braked)
         self._memory = plant_memory(robot.n, self._wheels.size)
+        self._context: Context | None = None
         if self._compiled:
-            sizes = np.zeros(6 + robot.n), self._seconds, self._memory, True
-            self._advance_kernel = bound(advance, self._arrays, self._able, self._how, *sizes)
+            address = self.context().address
+            self._advance_kernel = bound(advance, address, np.zeros(6 + robot.n), self._seconds, True)
         self._allocate = allocate
         if self._compiled and braked:
             # Before the run: a paced one would stand still while its first brake closes.
@@ -157,13 +179,35 @@ class SimulatedRobot:
             raise self._failure(status)
         return self._show(acting)
 
+    def numbers(self) -> PlantNumbers | None:
+        """The plant as it is, for runs that call no Python between their ticks; None where that cannot be."""
+        if not self._compiled or self._plan.planned or self._monitor.checks:
+            return None
+        if self._brakes is not None or self._reads_wheels:
+            return None
+        return PlantNumbers(self.context(), self._memory, self._sensors, self._telemetry, self._hold.delay)
+
+    def context(self) -> Context:
+        """Where compiled code finds robot, actuators and state as they are now."""
+        known = self._context
+        # Faults replace the two; a look at their addresses is all that other runs pay for it.
+        if known is None or known.values.robot is not self._arrays or known.values.able is not self._able:
+            known = context_of(PlantContext(self._arrays, self._able, self._how, self._memory))
+            self._context = known
+        return known
+
+    def switch_models(self, tick: int) -> None:
+        """Let the robot that runs on from a tick run on, as ``step`` does; only between ``numbers`` and ``numbers``."""
+        self._stamp = tick * self._period
+        self._switch_models()
+
     def _switch_models(self) -> None:
         """Let the robot of this instant run on; what it catches is balanced, anything else has a new baseline."""
-        for change in self._changes:
+        for change, arrays in zip(self._changes, self._robots, strict=True):
             if change.stamp != self._stamp:
                 continue
             self._model = change.robot.model
-            self._healthy = robot_arrays(self._model, motor_numbers(change.robot))
+            self._healthy = arrays
             self._use(self._healthy)
             if change.caught is not None:
                 self._catch(change.caught)
@@ -222,7 +266,7 @@ class SimulatedRobot:
         """One period under a command, or with ``start`` only the balance of the initial state; returns a status."""
         plant = self._memory
         if self._fallback is None:
-            return self._advance_kernel(self._arrays, self._able, self._how, acting, self._seconds, plant, start)
+            return self._advance_kernel(self.context().address, acting, self._seconds, start)
         count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
         drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
         if start:

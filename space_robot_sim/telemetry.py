@@ -30,6 +30,11 @@ class PlantTelemetry:
         wheels: number of its reaction wheels.
         estimated: the integration estimates its error.
         braked: brakes may close.
+
+    Attributes:
+        labels: of the blocks.
+        sizes: of the blocks.
+        traits: limits (2, n) of the joints, whether the robot is free-floating, ``estimated``.
     """
 
     def __init__(self, robot: Robot, wheels: int, *, estimated: bool = True, braked: bool = False) -> None:
@@ -54,7 +59,8 @@ class PlantTelemetry:
             blocks["integration_error"] = 1
         if braked:
             blocks[BRAKES] = n
-        self._labels, self._sizes = tuple(blocks), tuple(blocks.values())
+        self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
+        self.traits = np.array([robot.joint_lower, robot.joint_upper]), self._floating, estimated
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
     def of(self, stamp: int, acting: Acting, plant: PlantMemory, brakes: Sequence[float] = ()) -> Telemetry:
@@ -78,4 +84,4 @@ class PlantTelemetry:
             plant.allocation.saturated,
             np.array(rest),
         )
-        return Telemetry(stamp, self._labels, self._sizes, np.concatenate(parts))
+        return Telemetry(stamp, self.labels, self.sizes, np.concatenate(parts))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib import metadata
 from math import radians
@@ -216,8 +216,13 @@ def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
     return composition
 
 
-def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
+def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[..., Robot] = load_robot) -> Composition:
     """``compose`` without making a law: no code of one is imported.
+
+    Args:
+        experiment: what the user wants to run.
+        policy: see ``compose``.
+        load: gives the robot, as ``load_robot`` does; a study of many runs reads its file once.
 
     Raises:
         SpaceRobotError: a part refuses its input; the message names the key.
@@ -237,7 +242,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy) -> Composition:
         from space_robot_bringup.compose.supervision import check_supervision
 
         check_supervision(experiment)
-    robot = load_robot(experiment.robot)
+    robot = load(experiment.robot)
     nominal = _variant(robot, _nominal_spec(experiment), seeds[0])
     nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
     truth = _variant(robot, experiment.plant, seeds[1])

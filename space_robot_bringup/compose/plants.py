@@ -23,7 +23,7 @@ from space_robot_sim.grasp.airbearing import AirbearingTestbed
 from space_robot_sim.grasp.captured import CapturedDebris, capability
 from space_robot_sim.grasp.plant import grasp_joints, whole_steps
 from space_robot_sim.initial import InitialState, RunConditions
-from space_robot_sim.sensors import Sensors, check_wheels
+from space_robot_sim.sensor_rule import check_sensors
 from space_robot_sim.spec import HoldFor, fixed_steps, method
 
 Changes = tuple[RobotChange, ...]
@@ -129,8 +129,7 @@ def _check_articulated(spec: PlantSpec, truth: Robot, period: int) -> None:
     kind = method(spec.integrator, rough=bool(np.any(roughness)))
     if kind != "dop853_adaptive":
         fixed_steps(spec.integrator, kind, period)
-    check_wheels(spec.sensors, truth)
-    Sensors(spec.sensors, truth.n, period, seed=0)
+    check_sensors(spec.sensors, truth, period)
 
 
 def _airbearing(spec: AirbearingPlant, parts: PlantParts) -> Plant:
@@ -160,8 +159,7 @@ def _check_pccs(spec: CapturedPlant, truth: Robot, period: int) -> None:
     grasp_joints(truth, spec.grasp)
     capability(truth, spec)
     whole_steps(period, spec.step, "control_period")
-    check_wheels(spec.sensors, truth)
-    Sensors(spec.sensors, truth.n, period, seed=0)
+    check_sensors(spec.sensors, truth, period)
 
 
 PLANTS = {

@@ -148,8 +148,10 @@ def _kind(value: Any) -> str:
         return "each"
     own = (set(Expectation.model_fields) | {"id"}, {"for", *OverTime.model_fields} - {"id"})
     exact = [sum(key in keys for key in value if key != "id") for keys in own]
+    if max(exact) > min(exact):
+        return (Expectation if exact[0] > exact[1] else OverTime).__name__
     close = [sum(bool(nearest(key, keys)) for key in value) for keys in own]
-    return (Expectation if (exact[0], close[0]) >= (exact[1], close[1]) else OverTime).__name__
+    return (Expectation if close[0] >= close[1] else OverTime).__name__
 
 
 Occurrences = Occurrence | tuple[Occurrence, ...]

@@ -18,9 +18,11 @@ from space_robot_msgs_py.events import DiagnosticEvent
 from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.arrays import LogArrays
 from space_robot_msgs_py.log.blocks import Block as LogBlock
+from space_robot_msgs_py.log.writer import MemorySink
 
 if TYPE_CHECKING:
     from space_robot_bringup.compose.composition import Composition
+    from space_robot_bringup.fused.sink import FusedRun
 
 Lacking = Callable[[int], str]
 
@@ -125,6 +127,24 @@ def judge_ticks(ticks: Sequence[Tick], composition: Composition, reason: str) ->
     for block in tick_blocks(ticks):
         judging.add(block, events)
         events = []
+    return judging.verdict(reason)
+
+
+def judge_memory(sink: MemorySink | FusedRun, composition: Composition) -> Judgement:
+    """``judge_ticks`` for what ``run_in_memory`` returns.
+
+    Args:
+        sink: closed.
+        composition: of the experiment that was run.
+
+    Raises:
+        SpaceRobotError: see ``judge_ticks``.
+    """
+    reason = sink.end_reason or ""
+    if isinstance(sink, MemorySink):
+        return judge_ticks(sink.ticks, composition, reason)
+    judging = Judge(composition)
+    judging.add(log_block(sink.arrays))
     return judging.verdict(reason)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import cast
 
 from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.fused.sink import FusedRun
 from space_robot_bringup.modes import headless
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.signals import Interrupted
@@ -175,15 +176,22 @@ def _closed(sink: Sink, reason: str, on_failure: Callable[[BaseException], None]
     return reason
 
 
-def run_in_memory(composition: Composition, hooks: Hooks | None = None) -> MemorySink:
+def run_in_memory(composition: Composition, hooks: Hooks | None = None) -> MemorySink | FusedRun:
     """Run a composition in the headless mode; the sink has its ticks and the reason of its end.
 
-    Writing and reading a log takes three times as long as the run.
+    Writing and reading a log takes three times as long as the run. Without hooks a run whose parts are compiled is one
+    compiled call, which changes no bit and takes a third of the time.
 
     Raises:
         SpaceRobotError: plant, law or reference cannot be made; nothing was run.
         Exception: what the law raised, where no law should.
     """
+    if hooks is None:
+        # Only here: it loads a compiler.
+        from space_robot_bringup.fused.run import compiled_run
+
+        if (fused := compiled_run(composition)) is not None:
+            return fused
     hooks, sink = hooks or Hooks(), MemorySink()
     failures: list[BaseException] = []
     controller = composition.controller()
@@ -205,7 +213,7 @@ def run_in_memory(composition: Composition, hooks: Hooks | None = None) -> Memor
     return sink
 
 
-def write_bag(sink: MemorySink, composition: Composition, directory: Path) -> None:
+def write_bag(sink: MemorySink | FusedRun, composition: Composition, directory: Path) -> None:
     """Write the bag that the run would have left in the headless mode, bit for bit.
 
     Raises:

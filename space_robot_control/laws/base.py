@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.command_delay import CommandDelay
+from space_robot_control.laws.compiled import CompiledLaw
 from space_robot_control.laws.gain_range import GainRanges
 from space_robot_control.laws.tunable import Tunable
 from space_robot_control.tracking import prepare
@@ -133,6 +134,13 @@ class Law(Tunable, ABC):
         Returns:
             u = [force(3), torque(3), efforts(n)], base part in the body frame; and blocks of constant labels and sizes.
         """
+
+    def compiled(self) -> CompiledLaw | None:
+        """This law for runs that call no Python between their ticks, see ``kernel/answers.py``; None: it cannot be.
+
+        Its functions give what ``compute`` and ``on_applied`` give, and change the same memory.
+        """
+        return None
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Judge these gains at this period for this robot along a path, before the run; by default nothing is found.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from space_robot_control.references.profile import in_body, quintic
@@ -24,6 +26,11 @@ class Hold:
         """Return the reference at a stamp [ns]."""
         return Reference(stamp, self._q, self._zero, self._zero)
 
+    def rows(self, stamps: Sequence[int]) -> tuple[Vector, Vector, Vector]:
+        """See ``rows.rows_of``."""
+        still = np.zeros((len(stamps), self._zero.size))
+        return np.tile(self._q, (len(stamps), 1)), still, still
+
 
 class Step:
     """At rest in one configuration, from a time on in another.
@@ -40,6 +47,13 @@ class Step:
     def at(self, stamp: int) -> Reference:
         """Return the reference at a stamp [ns]."""
         return (self._before if stamp < self._time else self._after).at(stamp)
+
+    def rows(self, stamps: Sequence[int]) -> tuple[Vector, Vector, Vector]:
+        """See ``rows.rows_of``."""
+        q, v, a = self._after.rows(stamps)
+        before = np.array(stamps) < self._time
+        q[before] = self._before.at(0).q
+        return q, v, a
 
 
 class PointToPoint:

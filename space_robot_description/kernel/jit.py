@@ -21,6 +21,8 @@ except ImportError:
     numba = None
 
 COMPILED = numba is not None
+# With NUMBA_DISABLE_JIT=1 numba is there and compiles nothing.
+MACHINE_CODE = numba is not None and not numba.config.DISABLE_JIT
 
 if numba is not None:
     # It also reads .numba_config.yaml in the working directory, where a file that came with a log may lie: the folder

@@ -11,6 +11,7 @@ from space_robot_msgs_py.attitude import SOURCES, AttitudeAngles
 from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec, encode_string
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.interfaces import PlantSample, Reference, Supervision, Tick
+from space_robot_msgs_py.log.arrays import LogArrays, arrays_of
 from space_robot_msgs_py.log.closing import Written, append_end, finish_bag, write_all
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.mcap.records import message_bytes
@@ -213,6 +214,11 @@ class MemorySink:
         self.ticks: list[Tick] = []
         self.unanswered: tuple[PlantSample, Reference, Supervision | None] | None = None
         self.end_reason: str | None = None
+
+    @property
+    def arrays(self) -> LogArrays:
+        """The ticks, at least one, as a log of them would give them."""
+        return arrays_of(self.ticks)
 
     def record(self, tick: Tick) -> None:
         """Keep one tick."""

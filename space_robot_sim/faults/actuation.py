@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from space_robot_description.kernel.arrays import LOCKED, RobotArrays
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.faults.base import Actuation, ActuationFault
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.kernel.allocation import Capability
-from space_robot_sim.kernel.arrays import LOCKED, RobotArrays
 
 
 class Acts(NamedTuple):

@@ -6,8 +6,8 @@ momentum [n; f] = [A H; H^T M] [w; v], every joint along or about z, moments tak
 
 from __future__ import annotations
 
-import math
-
+from space_robot_description.kernel.arrays import BASE, INERTIA, MASS, MOMENT, PARENT, PRISMATIC, RobotArrays
+from space_robot_description.kernel.inverse_dynamics import place
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_description.kernel.spatial import (
     Vec,
@@ -21,12 +21,10 @@ from space_robot_description.kernel.spatial import (
     mul_sym,
     mul_t,
     put3,
-    put9,
     scaled,
     solve,
 )
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import BASE, INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
 from space_robot_sim.kernel.articulated import AV, AW, UF, UN, A, D, E, F, H, M, N, P, R, V, W, pass_inward
 
 
@@ -52,30 +50,6 @@ def forward_dynamics(
     _accelerate_base(force, torque, work, dy, 6 + bodies)
     for body in range(1, bodies):
         _accelerate_joint(robot, body, y[12 + bodies + body - 1], work, dy)
-
-
-@inner
-def place(robot: RobotArrays, body: int, joint: float, out: Vector) -> None:
-    """Write into row ``body`` of out: rotation to the parent (9) and origin in the parent (3) at a joint position."""
-    links = robot.links
-    m, origin = get9(links, body, ROTATION), get3(links, body, ORIGIN)
-    if robot.tree[body, PRISMATIC]:
-        origin = add(origin, scaled(joint, (m[2], m[5], m[8])))
-    else:
-        c, s = math.cos(joint), math.sin(joint)
-        m = (
-            c * m[0] + s * m[1],
-            c * m[1] - s * m[0],
-            m[2],
-            c * m[3] + s * m[4],
-            c * m[4] - s * m[3],
-            m[5],
-            c * m[6] + s * m[7],
-            c * m[7] - s * m[6],
-            m[8],
-        )
-    put9(out, body, R, m)
-    put3(out, body, P, origin)
 
 
 @inner

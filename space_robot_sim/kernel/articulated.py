@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from space_robot_description.kernel.arrays import LOCKED, PARENT, PRISMATIC, RobotArrays
 from space_robot_description.kernel.jit import constants, inner
 from space_robot_description.kernel.spatial import (
     Mat,
@@ -22,7 +23,6 @@ from space_robot_description.kernel.spatial import (
     turned_sym,
 )
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import LOCKED, PARENT, PRISMATIC, RobotArrays
 
 Passed = tuple[Sym, Mat, Sym, Vec, Vec]
 

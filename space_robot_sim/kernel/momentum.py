@@ -4,6 +4,18 @@ from __future__ import annotations
 
 import math
 
+from space_robot_description.kernel.arrays import (
+    BASE,
+    INERTIA,
+    MASS,
+    MOMENT,
+    ORIGIN,
+    PARENT,
+    PRISMATIC,
+    ROTATION,
+    RobotArrays,
+)
+from space_robot_description.kernel.inverse_dynamics import place
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.quaternion import attitude, matrix
 from space_robot_description.kernel.spatial import (
@@ -22,8 +34,6 @@ from space_robot_description.kernel.spatial import (
     scaled,
 )
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.aba import place
-from space_robot_sim.kernel.arrays import BASE, INERTIA, MASS, MOMENT, ORIGIN, PARENT, PRISMATIC, ROTATION, RobotArrays
 
 # What `balance` writes: momentum about the inertial origin, energy, sums of the bodies' own magnitudes.
 LINEAR, ANGULAR, ENERGY, GROSS_LINEAR, GROSS_ANGULAR, BALANCE_SIZE = constants(0, 3, 6, 7, 8, 9)

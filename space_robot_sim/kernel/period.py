@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.arrays import RobotArrays
+from space_robot_description.kernel.context import kind_of, loaded
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.allocation import Allocation, Capability, allocate, allocation
-from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.momentum import (
     ANGULAR,
     BALANCE_SIZE,
@@ -63,15 +64,40 @@ def plant_memory(joints: int, wheels: int) -> PlantMemory:
     return PlantMemory(y, np.zeros(wheels), motors, effort, *balance, scratch(joints), allocation(joints, wheels))
 
 
+class PlantContext(NamedTuple):
+    """A plant as compiled code finds it: the robot, its actuators, how it is integrated, its state."""
+
+    robot: RobotArrays
+    able: Capability
+    how: Stepping
+    memory: PlantMemory
+
+
+def _example() -> PlantContext:
+    one, none, flags = np.zeros(1), np.zeros((1, 1)), np.zeros(1, dtype=np.int64)
+    able = Capability(one, flags, flags, one, none, none, none, 0, 0, one, one)
+    robot = RobotArrays(np.zeros((1, 3), dtype=np.int64), none, none)
+    return PlantContext(robot, able, Stepping(0, 1.0, 1.0, 1.0, one), plant_memory(0, 0))
+
+
+PLANT = kind_of(_example())
+
+
 @kernel
-def advance(
-    robot: RobotArrays, able: Capability, how: Stepping, command: Vector, period: float, plant: PlantMemory, start: bool
-) -> int:
+def advance(context: Any, command: Vector, period: float, start: bool) -> int:
     """One control period [s] under a command (6+n,); returns the status of `integrate`.
 
     With ``start`` no time passes: the conservation baseline is taken from the state as it is. One entry for both,
-    because every entry from Python costs seconds when it is first compiled.
+    because every entry from Python costs seconds when it is first compiled; and all is found by one address, because
+    taking forty arrays out of Python's hands takes microseconds.
+
+    Args:
+        context: a ``PlantContext``, see ``description.kernel.context``.
+        command: what acts.
+        period: [s].
+        start: see above.
     """
+    robot, able, how, plant = loaded(context, PLANT)
     count = allocate(able, command, period, plant.wheels, plant.allocation)
     drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
     if start:

@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.arrays import RobotArrays
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.quaternion import attitude, matrix, quaternion_rate
 from space_robot_description.kernel.spatial import Vec, add, cross, dot, get3, mul, scaled
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.aba import forward_dynamics
-from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.articulated import WORKSPACE
 from space_robot_sim.kernel.tableau import STAGES
 

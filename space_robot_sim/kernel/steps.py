@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.arrays import RobotArrays
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_sim.kernel.arrays import RobotArrays
 from space_robot_sim.kernel.rhs import BEGIN, END, FIRST, Drive, Scratch, slope
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
 

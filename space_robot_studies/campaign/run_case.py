@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import json
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any, Literal
 
-from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.compose.composition import Composition, compose, compose_world
 from space_robot_bringup.experiment.experiment import experiment_from
+from space_robot_bringup.fused.sink import FusedRun
 from space_robot_bringup.judge.conclusion import passed
-from space_robot_bringup.judge.judging import judge_ticks
+from space_robot_bringup.judge.judging import judge_memory
 from space_robot_bringup.modes.headless import run_in_memory, write_bag
+from space_robot_control.laws.policy import TYPED
+from space_robot_description.frozen import plain
+from space_robot_description.load import load_robot
+from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpaceRobotError
-from space_robot_msgs_py.interfaces import Tick
 from space_robot_msgs_py.log.writer import MemorySink
 from space_robot_studies.campaign.session_laws import unpack_laws
 from space_robot_studies.engine.worker import bug
@@ -55,11 +61,12 @@ def run_case(data: Mapping[str, Any], name: str, keep: Keep) -> CaseResult:
     """
     began = perf_counter()
     composition, trace = None, ""
-    sink = MemorySink()
+    sink: MemorySink | FusedRun = MemorySink()
     try:
-        composition = compose(experiment_from(data, name))
+        # Without a look at the law before: what cannot be made of it shows when it is made to run.
+        composition = compose_world(experiment_from(data, name), TYPED, _robot)
         sink = run_in_memory(composition)
-        columns = _columns(composition, sink.end_reason or "", sink.ticks)
+        columns = _columns(composition, sink)
     except SpaceRobotError as error:
         columns = failure(f"error: {error}")
     except (Exception, SystemExit) as error:
@@ -67,6 +74,16 @@ def run_case(data: Mapping[str, Any], name: str, keep: Keep) -> CaseResult:
     wanted = keep == "all" or (keep == "failed" and columns["passed"] is False)
     bag = _bag(composition, sink, name) if wanted and composition is not None else {}
     return CaseResult(columns, bag, trace, perf_counter() - began)
+
+
+def _robot(robot: str | Mapping[str, Any]) -> Robot:
+    """A robot by its name or its content, made once: a worker runs one study, whose files do not change."""
+    return _made(robot if isinstance(robot, str) else json.dumps(plain(robot)), isinstance(robot, str))
+
+
+@lru_cache(maxsize=32)
+def _made(text: str, named: bool) -> Robot:
+    return load_robot(text if named else json.loads(text))
 
 
 def warm(data: Mapping[str, Any], laws: bytes = b"") -> None:
@@ -79,17 +96,22 @@ def warm(data: Mapping[str, Any], laws: bytes = b"") -> None:
     unpack_laws(laws)
     composition = compose(experiment_from(data, "first case"))
     composition.plant().reset()
+    # Only here: it loads a compiler.
+    from space_robot_bringup.fused.run import compiled_run
+
+    compiled_run(composition, 2)
 
 
-def _columns(composition: Composition, reason: str, ticks: Sequence[Tick]) -> dict[str, Any]:
-    metrics, checks, remarks = judge_ticks(ticks, composition, reason)
+def _columns(composition: Composition, sink: MemorySink | FusedRun) -> dict[str, Any]:
+    metrics, checks, remarks = judge_memory(sink, composition)
+    reason = sink.end_reason or ""
     outcome = {
         "end_reason": reason,
         "completed": reason == "completed",
         "passed": passed(checks),
         "failed": ", ".join(check.name for check in checks if not check.passed),
         "remarks": ", ".join(remark.name for remark in remarks),
-        "ticks": len(ticks),
+        "ticks": metrics.ticks if metrics is not None else 0,
     }
     return outcome | (metrics.flat() if metrics is not None else {})
 
@@ -100,7 +122,7 @@ def failure(reason: str) -> dict[str, Any]:
     return outcome | {"remarks": "", "ticks": 0}
 
 
-def _bag(composition: Composition, sink: MemorySink, name: str) -> dict[str, bytes]:
+def _bag(composition: Composition, sink: MemorySink | FusedRun, name: str) -> dict[str, bytes]:
     """The bag a headless run would have left, as bytes: the campaign's folder may be on another machine."""
     with TemporaryDirectory(prefix="space-robot-") as scratch:
         place = Path(scratch) / name

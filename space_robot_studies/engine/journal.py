@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from math import isfinite
 from pathlib import Path
+from time import monotonic
 from typing import IO, Any
 
 from space_robot_msgs_py.atomic_file import write_atomically
@@ -20,6 +21,8 @@ from space_robot_studies.engine.storage import guarded
 from space_robot_studies.engine.tasks import Lost
 
 ROWS, RUNS = "rows.jsonl", "runs"
+# Between two waits for the disk, which takes as long as a run.
+SYNC_SECONDS = 1.0
 Key = int | str
 Rows = dict[Key, "Row"]
 Check = Callable[["Row"], None]
@@ -68,9 +71,13 @@ class Journal:
     def __init__(self, directory: Path, stream: IO[str], rows: Rows) -> None:
         self.directory, self.rows = directory, rows
         self._stream = stream
+        self._synced = monotonic()
 
     def append(self, row: Row, bag: Mapping[str, bytes] | None = None) -> None:
-        """Keep a row, its bag first: a row that is on disk is complete."""
+        """Keep a row, its bag first: a row that is on disk is complete.
+
+        A row survives this process at once, and a power cut after a second: the disk takes as long as a run.
+        """
         with guarded(self.directory):
             place = bag_path(self.directory, row.key)
             for name, content in (bag or {}).items():
@@ -78,8 +85,14 @@ class Journal:
                 write_atomically(place / name, content)
             self._stream.write(json.dumps(asdict(row), allow_nan=False) + "\n")
             self._stream.flush()
-            os.fsync(self._stream.fileno())
+            if monotonic() - self._synced >= SYNC_SECONDS:
+                self.sync()
         self.rows[row.key] = row
+
+    def sync(self) -> None:
+        """Put all rows on disk."""
+        os.fsync(self._stream.fileno())
+        self._synced = monotonic()
 
 
 def bag_path(directory: Path, key: Key) -> Path:
@@ -142,7 +155,12 @@ def open_journal(
             if not stream.tell():
                 stream.write(json.dumps({"versions": dict(versions)}) + "\n")
                 stream.flush()
-        yield Journal(directory, stream, {key: row for key, row in rows.items() if row.stands(time_limit)})
+        journal = Journal(directory, stream, {key: row for key, row in rows.items() if row.stands(time_limit)})
+        try:
+            yield journal
+        finally:
+            with guarded(path):
+                journal.sync()
 
 
 def finished_rows(directory: Path, check: Check = _any_columns) -> tuple[dict[str, str], Rows]:

@@ -13,11 +13,11 @@ import numpy as np
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
-from space_robot_bringup.judge.judging import judge_ticks
+from space_robot_bringup.fused.sink import FusedRun
+from space_robot_bringup.judge.judging import judge_memory
 from space_robot_bringup.judge.verdict import PLANT_BOUNDS
 from space_robot_bringup.modes.headless import run_in_memory, write_bag
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
-from space_robot_msgs_py.log.arrays import arrays_of
 from space_robot_msgs_py.log.writer import MemorySink
 from space_robot_studies.engine.worker import bug
 from space_robot_studies.reproduce.measures import take
@@ -90,12 +90,12 @@ def run_job(job: Job) -> RunData:
     return replace(data, warnings=warnings, bag=keep)
 
 
-def _look(job: Job, composition: Composition, sink: MemorySink) -> RunData:
+def _look(job: Job, composition: Composition, sink: MemorySink | FusedRun) -> RunData:
     reason = sink.end_reason or ""
-    metrics, checks, _ = judge_ticks(sink.ticks, composition, reason)
+    metrics, checks, _ = judge_memory(sink, composition)
     if metrics is None:
         return RunData(reason)
-    arrays = arrays_of(sink.ticks)
+    arrays = sink.arrays
     signals = Signals(arrays, composition)
     stride = max(1, arrays.time.size // DRAWN_TICKS)
     drawn = np.unique(np.append(np.arange(0, arrays.time.size, stride), arrays.time.size - 1))

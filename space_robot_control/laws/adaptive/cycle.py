@@ -36,6 +36,7 @@ class Cycle:
         control_period: [s].
 
     Attributes:
+        tree: geometry of the robot.
         rule: the gains; ``k_d`` is the caller's to fill.
         workspace: results of the last call.
         order: (m,) where telemetry finds translation, roll, pitch, yaw and joints in an array of the actuated.
@@ -45,7 +46,7 @@ class Cycle:
         n, free = robot.n, robot.base_mode == "free_floating"
         first = 3 if free else 0
         noise = np.array([*[gains.rls.force_noise] * 3, *[gains.rls.torque_noise] * (3 + n)])[first:]
-        self._tree, size = tree_of(robot.model), 6 + n - first
+        self.tree, size = tree_of(robot.model), 6 + n - first
         self.rule = Rule(
             first=first,
             period=control_period,
@@ -82,7 +83,7 @@ class Cycle:
             state: at its end.
         """
         measured = state.q, state.v, state.effort, state.base_acceleration
-        self._regression(self._tree, self.rule, pi_hat, start, x, dx, *measured, self.workspace, self._tau)
+        self._regression(self.tree, self.rule, pi_hat, start, x, dx, *measured, self.workspace, self._tau)
         return self._rows
 
     def control(
@@ -100,7 +101,7 @@ class Cycle:
         """
         u = np.empty(x.size)
         desired = reference.q, reference.v, reference.a
-        value = self._control(self._tree, self.rule, pi_hat, x, dx, omega, wheels, *desired, self.workspace, u)
+        value = self._control(self.tree, self.rule, pi_hat, x, dx, omega, wheels, *desired, self.workspace, u)
         return u, value
 
     def _compile(self, n: int) -> None:
@@ -110,9 +111,9 @@ class Cycle:
         pi_hat, omega, wheels = np.zeros(10 * (1 + n)), state.v[3:6], np.zeros(3)
         start = PeriodStart(v, v, omega, wheels, v[:6])
         measured = state.q, state.v, state.effort, state.base_acceleration
-        self._regression = bound(regression, self._tree, self.rule, pi_hat, start, v, v, *measured, self.workspace, v)
+        self._regression = bound(regression, self.tree, self.rule, pi_hat, start, v, v, *measured, self.workspace, v)
         target = desired.q, desired.v, desired.a
-        self._control = bound(control, self._tree, self.rule, pi_hat, v, v, omega, wheels, *target, self.workspace, v)
+        self._control = bound(control, self.tree, self.rule, pi_hat, v, v, omega, wheels, *target, self.workspace, v)
         rows, tau = self._rows
         ready(coordinates, state.q, state.v, v, v)
         root, pair = np.zeros((pi_hat.size, pi_hat.size)), np.zeros((2, pi_hat.size))

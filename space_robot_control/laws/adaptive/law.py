@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import cos, degrees, radians
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
+from space_robot_control.command_limits import CommandLimits
+from space_robot_control.laws.adaptive.compiled import compiled_adaptive
 from space_robot_control.laws.adaptive.cycle import Cycle
 from space_robot_control.laws.adaptive.euler_coordinates import PITCH, euler_state
 from space_robot_control.laws.adaptive.gains import AdaptiveGains
@@ -18,6 +21,7 @@ from space_robot_control.laws.adaptive.parameter_update import ParameterUpdate
 from space_robot_control.laws.adaptive.regressor import Regressor
 from space_robot_control.laws.adaptive.review import AdaptiveReview
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.compiled import CompiledLaw
 from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_description.kernel.cache import cached
 from space_robot_description.robot import Robot
@@ -128,6 +132,22 @@ class Adaptive(Law):
         """The sampled-data stability rule along the path, see ``stability.stable_lambda``."""
         return AdaptiveReview(self.robot, self.regressor, self.gains, self.control_period).along(path)
 
+    def compiled(self) -> CompiledLaw | None:
+        """The law without projection of its estimate, which is Python."""
+        if self.gains.consistency != "none":
+            return None
+        limits, update = CommandLimits(self.robot), self._update
+        found = compiled_adaptive(
+            self._cycle, self.gains, limits, self.regressor.parameters, consistent=bool(update.consistent)
+        )
+        return replace(found, start=self._begin)
+
+    def _begin(self, state: RobotState) -> None:
+        """K_D is that of the first state."""
+        if self._mass is None:
+            self._mass = self._first_mass_matrix(euler_state(state)[0])
+            self._cycle.rule.k_d[:] = self.gains.kappa * self._mass
+
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class.
 
@@ -138,9 +158,7 @@ class Adaptive(Law):
         x, dx = euler_state(state)
         self._check_pitch(x)
         self._update.observe(state, x, dx, self._measured_wheels())
-        if self._mass is None:
-            self._mass = self._first_mass_matrix(x)
-            self._cycle.rule.k_d[:] = self.gains.kappa * self._mass
+        self._begin(state)
         omega = state.v[3:6]
         u, value = self._cycle.control(
             self._update.estimate, x, dx, omega, self._known(self.wheels.momentum), reference

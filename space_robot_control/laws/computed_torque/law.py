@@ -7,14 +7,17 @@ from typing import ClassVar
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.laws.base import Blocks, Law
+from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
+from space_robot_control.laws.computed_torque.kernel.answer import TorqueContext, TorqueRule, answer, torque_memory
 from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.per_dof import Axes, Joints, PerDof
 from space_robot_control.sampled_stability import stability_margin
-from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.fields import DYNAMIC
+from space_robot_description.kernel.context import context_of
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
@@ -74,6 +77,8 @@ class ComputedTorque(Law):
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
         self.model = NominalModel(robot)
+        self._memory, self._row = torque_memory(robot.n), _layout(robot.n)
+        self._answer = Answering(answer, robot.n, self._row)
         self.retune(self.gains)
 
     def retune(self, gains: Gains) -> None:
@@ -81,16 +86,30 @@ class ComputedTorque(Law):
         wn = gains.bandwidth.values(self.robot, "controller.gains.bandwidth")
         if not gains.allow_unstable:
             _check_stability(wn, gains.damping, self.control_period, self.robot)
-        self._kp, self._kd = wn * wn, 2.0 * gains.damping * wn
+        floating, gyroscopic = int(self.robot.base_mode == "free_floating"), int(gains.gyroscopic)
+        rule = TorqueRule(wn * wn, 2.0 * gains.damping * wn, self.model.mass, floating, gyroscopic)
+        self._context = context_of(TorqueContext(rule, self._memory, self.model.arrays))
+
+    def compiled(self) -> CompiledLaw:
+        """The law for compiled runs."""
+        return CompiledLaw(answer, self._context, self._row)
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class."""
-        errors = tracking_errors(state, reference)
-        acceleration = errors.feedforward + self._kd * errors.velocity + self._kp * errors.configuration
-        u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, acceleration)
-        if self.gains.gyroscopic:
-            self.wheels.add_torque(u, state.v[3:6])
-        return u, {**error_blocks(errors), "acceleration_command": acceleration}
+        """Return u and the telemetry listed at the class.
+
+        Raises:
+            ControlError: the inverse dynamics of the nominal model is not finite.
+        """
+        status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
+        if status:
+            value = self._memory.acceleration.tolist()
+            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=value)
+        return u, self._row.blocks(row)
+
+
+def _layout(n: int) -> Layout:
+    errors = {"position_error": 3, "attitude_error": 3, "joint_error": n, "twist_error": 6, "joint_rate_error": n}
+    return Layout.of({**errors, "acceleration_command": 6 + n})
 
 
 def _check_stability(wn: Vector, damping: float, control_period: float, robot: Robot) -> None:

@@ -5,17 +5,12 @@ from __future__ import annotations
 from math import radians
 from typing import Literal
 
-import numpy as np
 from pydantic import Field, PositiveFloat
 
-from space_robot_control.laws.ntsmc.angle_branch import AngleBranch, euler_rates, wrapped
 from space_robot_control.laws.ntsmc.gains import SlidingGains
+from space_robot_control.laws.ntsmc.kernel.answer import UNWRAPPED, WRAPPED
 from space_robot_control.laws.ntsmc.terminal_sliding import TerminalSliding
-from space_robot_control.tracking import TrackingErrors
-from space_robot_description.robot import Robot
-from space_robot_description.rotations import Three, rpy_rates
 from space_robot_description.spec import Three as ThreeNumbers
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
 class EulerGains(SlidingGains):
@@ -60,34 +55,16 @@ class NtsmcEuler(TerminalSliding):
     name = "ntsmc_euler"
     gains: EulerGains
 
-    def __init__(self, robot: Robot, control_period: float, gains: EulerGains | None = None) -> None:
-        super().__init__(robot, control_period, gains)
-        self._floor = self.gains.smallest_cosine
-        self.reset()
+    def attitude(self) -> int:
+        """Roll, pitch, yaw that count turns, or not."""
+        return int(WRAPPED if self.gains.angles == "wrapped" else UNWRAPPED)
 
-    def reset(self) -> None:
-        """Forget K_hat, the disturbance estimate and the branch of the angles."""
-        super().reset()
+    def smallest_cosine(self) -> float:
+        """Lower bound of |cos pitch| [-]."""
+        return self.gains.smallest_cosine
+
+    @property
+    def start(self) -> tuple[float, float, float]:
+        """The angles that the first ones are nearest to [rad]."""
         roll, pitch, yaw = (radians(angle) for angle in self.gains.start_deg)
-        self._actual, self._desired = AngleBranch((roll, pitch, yaw)), AngleBranch((0.0, 0.0, 0.0))
-        self._theta: tuple[Three, Three] = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-
-    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
-        """Return the errors of roll, pitch, yaw, see ``TerminalSliding`` [rad]."""
-        theta, theta_d = self._actual.nearest(state.q[3:7].tolist()), self._desired.nearest(reference.q[3:7].tolist())
-        rates = euler_rates(theta, state.v[3:6].tolist(), self._floor)
-        omega_d, alpha_d = reference.v[3:6].tolist(), reference.a[3:6].tolist()
-        rates_d = euler_rates(theta_d, omega_d, self._floor)
-        # alpha = N theta'' + N' theta', so theta''_d = N^-1 (alpha_d - N' theta'_d).
-        _, (bx, by, bz) = rpy_rates(theta_d, rates_d, (0.0, 0.0, 0.0))
-        desired = euler_rates(theta_d, (alpha_d[0] - bx, alpha_d[1] - by, alpha_d[2] - bz), self._floor)
-        e = (theta[0] - theta_d[0], theta[1] - theta_d[1], theta[2] - theta_d[2])
-        if self.gains.angles == "wrapped":
-            e = (wrapped(e[0]), wrapped(e[1]), wrapped(e[2]))
-        rate = (rates[0] - rates_d[0], rates[1] - rates_d[1], rates[2] - rates_d[2])
-        self._theta = theta, rates
-        return np.array((e, rate, rate, desired))
-
-    def angular(self, state: RobotState, acceleration: Vector) -> Three:
-        """Return N theta'' + N' theta'."""
-        return rpy_rates(*self._theta, acceleration)[1]
+        return roll, pitch, yaw

@@ -2,16 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from space_robot_control.laws.ntsmc.gains import SlidingGains
-from space_robot_control.laws.ntsmc.kernel.terminal import rotation_errors
+from space_robot_control.laws.ntsmc.kernel.answer import QUATERNION
 from space_robot_control.laws.ntsmc.terminal_sliding import TerminalSliding
-from space_robot_control.tracking import TrackingErrors
-from space_robot_description.kernel.jit import ready
-from space_robot_description.robot import Robot
-from space_robot_description.rotations import Three, rotate_inverse
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
 class Ntsmc(TerminalSliding):
@@ -39,17 +31,6 @@ class Ntsmc(TerminalSliding):
 
     name = "ntsmc"
 
-    def __init__(self, robot: Robot, control_period: float, gains: SlidingGains | None = None) -> None:
-        super().__init__(robot, control_period, gains)
-        given = Reference(0, np.zeros(7), np.zeros(6), np.zeros(6))
-        ready(rotation_errors, given.q, given.v, given.q, given.a, np.zeros(4), np.zeros(6), np.zeros((4, 3)))
-
-    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
-        """Return the errors of (14), inertial frame, see ``TerminalSliding``."""
-        out = np.empty((4, 3))
-        rotation_errors(state.q, state.v, reference.q, reference.a, errors.quaternion, errors.velocity, out)
-        return out
-
-    def angular(self, state: RobotState, acceleration: Vector) -> Three:
-        """Return R^T w', since (R w_B)' = R w_B'."""
-        return rotate_inverse(state.q[3:7], acceleration)
+    def attitude(self) -> int:
+        """(14)."""
+        return int(QUATERNION)

@@ -10,7 +10,6 @@ import numpy as np
 from space_robot_control.laws.base import Review
 from space_robot_control.laws.ntsmc.gains import SlidingGains
 from space_robot_control.laws.ntsmc.kernel.sliding import ROWS, SlidingRule, adapt, slide
-from space_robot_description.kernel.jit import bound
 from space_robot_msgs_py.interfaces import Vector
 
 Floats = Sequence[float]
@@ -47,6 +46,12 @@ class SlidingMode:
         rotation: which of the m are the rotation of the base.
         control_period: T [s].
 
+    Attributes:
+        rule: all of these numbers, for kernels.
+        array: (m,) K_hat itself, which kernels change [m/s2, rad/s2].
+        keep: share of K_hat that a period leaves [-].
+        cap: largest K_hat [m/s2, rad/s2].
+
     Reference: [Giordano and Cenedese 2023, sec. IV].
     """
 
@@ -55,7 +60,7 @@ class SlidingMode:
     ) -> None:
         exponents, adaptation, layer = gains.exponents, gains.adaptation, gains.boundary_layer
         size = len(gamma)
-        self._rule = SlidingRule(
+        self.rule = SlidingRule(
             gamma=np.array(gamma, dtype=np.float64),
             k2=np.array(k2, dtype=np.float64),
             turning=np.array([index in rotation for index in range(size)], dtype=np.int64),
@@ -70,25 +75,23 @@ class SlidingMode:
             edge=layer ** (exponents.reach - 1.0),
             half_norm_power=exponents.p1 / exponents.q1,
         )
-        self._adaptation, self._keep = adaptation, exp(-adaptation.leak * control_period)
-        self._cap = inf if adaptation.cap is None else adaptation.cap
+        self._adaptation, self.keep = adaptation, exp(-adaptation.leak * control_period)
+        self.cap = inf if adaptation.cap is None else adaptation.cap
+        self.array = np.empty(size)
         self.reset()
-        numbers, rows = np.zeros(size), np.zeros((ROWS, size))
-        self._slide = bound(slide, self._rule, self._estimate, numbers, numbers, numbers, 0.0, rows)
-        self._adapt = bound(adapt, numbers, 0.0, 0.0, 0.0, self._estimate)
 
     def reset(self) -> None:
         """Return to the initial K_hat."""
-        self._estimate = np.full(self._rule.gamma.size, self._adaptation.initial)
+        self.array[:] = self._adaptation.initial
 
     def adopt(self, estimate: Vector) -> None:
         """Go on from a K_hat (m,) adapted with other gains [m/s2, rad/s2]."""
-        self._estimate = np.array(estimate)
+        self.array[:] = estimate
 
     @property
     def estimate(self) -> Vector:
         """(m,) K_hat [m/s2, rad/s2]."""
-        return self._estimate.copy()
+        return self.array.copy()
 
     def terms(self, e: Vector, rate: Vector, e_dot: Vector, speed_squared: float) -> Vector:
         """Return the terms of (28) with the present K_hat: (6, m), rows as ``kernel/sliding.py`` names them.
@@ -102,16 +105,16 @@ class SlidingMode:
             e_dot: (m,) the derivative of e; differs from ``rate`` for rotation only.
             speed_squared: |x'|^2.
         """
-        out = np.empty((ROWS, self._estimate.size))
-        self._slide(self._rule, self._estimate, e, rate, e_dot, speed_squared, out)
+        out = np.empty((ROWS, self.array.size))
+        slide(self.rule, self.array, e, rate, e_dot, speed_squared, out)
         return out
 
     def adapt(self, xi: Vector, speed_squared: float, *, saturated: bool) -> None:
         """Integrate K_hat over one period, (29)."""
         if saturated and self._adaptation.freeze_on_saturation:
             return
-        growth = self._rule.period * self._adaptation.rate * (1.0 + speed_squared)
-        self._adapt(xi, growth, self._keep, self._cap, self._estimate)
+        growth = self.rule.period * self._adaptation.rate * (1.0 + speed_squared)
+        adapt(xi, growth, self.keep, self.cap, self.array)
 
     def gains_at(self, e: Floats, slowest: float) -> list[float]:
         """Return the loop gain (m,) at the edge of the boundary layer with the initial K_hat.
@@ -120,7 +123,7 @@ class SlidingMode:
             e: (m,) errors [m, rad]; each shrinks at |e'| = (g |e|)^(1/r) while s = 0, (11).
             slowest: least rate to assume [m/s, rad/s].
         """
-        rule, (gamma, k2) = self._rule, self._per_dof()
+        rule, (gamma, k2) = self.rule, self._per_dof()
         rates = [max((g * abs(x)) ** (1.0 / rule.r), slowest) for g, x in zip(gamma, e, strict=True)]
         flat = self._adaptation.initial / rule.layer
         return [
@@ -130,11 +133,11 @@ class SlidingMode:
 
     def cycle_rates(self) -> list[float]:
         """Return the rate (m,) of the cycle that K2 sustains in each DoF [m/s, rad/s]."""
-        rule = self._rule
+        rule = self.rule
         return [cycle_rate(rule.period, rule.r, rule.reach, g, k) for g, k in zip(*self._per_dof(), strict=True)]
 
     def _per_dof(self) -> tuple[list[float], list[float]]:
-        return self._rule.gamma.tolist(), self._rule.k2.tolist()
+        return self.rule.gamma.tolist(), self.rule.k2.tolist()
 
 
 def review_loop_gain(

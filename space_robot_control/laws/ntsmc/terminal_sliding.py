@@ -11,27 +11,28 @@ import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.ntsmc.disturbance_observer import DisturbanceObserver
 from space_robot_control.laws.ntsmc.gains import SlidingGains
-from space_robot_control.laws.ntsmc.kernel import sliding
-from space_robot_control.laws.ntsmc.kernel.sliding import DELTA, LOOP_GAIN, XI, S
-from space_robot_control.laws.ntsmc.kernel.terminal import DESIRED, accelerate, stack
+from space_robot_control.laws.ntsmc.kernel import answer as kernel
+from space_robot_control.laws.ntsmc.kernel.answer import ACTUAL, Terminal, TerminalRule, terminal_memory
+from space_robot_control.laws.ntsmc.kernel.terminal import E
 from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode, review_loop_gain
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.tracking import ERROR_FIELDS, TrackingErrors, error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.kernel.cache import cached
-from space_robot_description.kernel.jit import ready
+from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.robot import Robot
-from space_robot_description.rotations import cross
+from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
 
 class TerminalSliding(Law):
     """u = M0 (x''_d + a2 + a3 - d) + C0 by one pass of nominal inverse dynamics, (27), (28); see ``SlidingMode``.
 
-    Base translation in the inertial frame, joints as they are; subclasses write the rotation. With d = 0 (observer
-    off) and a command within the limits this is the paper's u_1 + u_2 + u_3.
+    Base translation in the inertial frame, joints as they are; subclasses name the representation of the rotation. With
+    d = 0 (observer off) and a command within the limits this is the paper's u_1 + u_2 + u_3.
 
     Free-floating: no force acts on the base, so its translation has no sliding variable; it follows from the zero-force
     rows of the nominal model. Every (m) below is then 3+n instead of 6+n: rotation and joints, and so is x'.
@@ -70,82 +71,62 @@ class TerminalSliding(Law):
         self.skip = 3 if robot.base_mode == "free_floating" else 0
         self.sliding = self._sliding_mode(self.gains)
         self.observer = DisturbanceObserver(self.gains.disturbance_observer, control_period, 6 + robot.n)
+        self.memory = terminal_memory(robot.n, 6 + robot.n - self.skip)
+        self.layout = _layout(robot.n, 6 + robot.n - self.skip)
+        self._answer = Answering(kernel.answer, robot.n, self.layout)
         # What the own commands that do not act yet cause, by stamp.
         self._accelerations: dict[int, Vector | None] = {}
-        q, own, rows = Reference(0, np.zeros(7), np.zeros(6), np.zeros(6)).q, np.zeros(6), np.zeros((4, 3))
-        ready(stack, q, own, own, rows, rows)
-        ready(accelerate, q, own, own, rows, own, own)
+        self._context = self._bind()
+        self.memory.angles[ACTUAL] = self.start
 
     @classmethod
     def must_compile(cls) -> bool:
         """True before the first terminal sliding mode law on a machine."""
-        return not cached(Path(sliding.__file__), sliding.slide.__name__)
+        return not cached(Path(kernel.__file__), kernel.answer.__name__)
 
     def retune(self, gains: SlidingGains) -> None:
         """Go on with other Gamma, K_1, K_2 or Phi and the K_hat that was adapted."""
         mode = self._sliding_mode(gains)
         mode.adopt(self.sliding.estimate)
         self.sliding = mode
+        self._context = self._bind()
 
     def _sliding_mode(self, gains: SlidingGains) -> SlidingMode:
         gamma, k2 = (gain[self.skip :].tolist() for gain in (gains.gamma_of(self.robot), gains.k2_of(self.robot)))
         return SlidingMode(gains, gamma, k2, range(3 - self.skip, 6 - self.skip), self.control_period)
 
-    @abstractmethod
-    def rotation(self, state: RobotState, reference: Reference, errors: TrackingErrors) -> Vector:
-        """Return the base rotation in the law's representation; may remember the branch it is on.
-
-        Returns:
-            (4, 3): error, actual minus desired; its rate in the sliding variable; the derivative of the error; and the
-            desired acceleration of the representation.
-        """
-
-    @abstractmethod
-    def angular(self, state: RobotState, acceleration: Vector) -> Sequence[float] | Vector:
-        """Return the derivative (3,) of the body rates for an acceleration (3,) of the representation [rad/s2].
-
-        Args:
-            state: that ``rotation`` was last called with.
-            acceleration: of the representation.
-        """
-
     def reset(self) -> None:
-        """Forget K_hat and the disturbance estimate."""
+        """Forget K_hat, the disturbance estimate and the branch of angles."""
         super().reset()
         self.sliding.reset()
         self.observer.reset()
         self._accelerations = {}
+        self.memory.disturbance[:] = 0.0
+        self.memory.angles[:] = 0.0
+        self.memory.angles[ACTUAL] = self.start
+
+    def compiled(self) -> CompiledLaw | None:
+        """The law without its observer, which is Python."""
+        return None if self.gains.disturbance_observer else CompiledLaw(kernel.answer, self._context, self.layout)
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class."""
-        errors = tracking_errors(state, reference)
-        rotation = self.rotation(state, reference, errors)
-        speed = state.v[self.skip :]
-        speed_squared = float(speed @ speed)
-        e, rate, e_dot = self._stacked(state, rotation, errors)
-        terms = self.sliding.terms(e, rate, e_dot, speed_squared)
-        disturbance = self.observer.update(state.v)
-        acceleration = self._acceleration(state, rotation, errors.feedforward, terms) - disturbance
-        u, acceleration = self.model.actuated_inverse_dynamics(state.q, state.v, acceleration)
-        self._add_wheels(u, state)
-        saturated = not self.limits.fits(u)
-        blocks = {
-            **error_blocks(errors),
-            "sliding_variable": terms[S],
-            "sliding_excess": terms[DELTA],
-            "xi": terms[XI],
-            "adaptive_gain": self.sliding.estimate,
-            "eta_error": float(state.q[3:7] @ reference.q[3:7]),
-            "loop_gain": terms[LOOP_GAIN],
-            "command_unsaturated": u,
-            "command_norm": float(u @ u) ** 0.5,
-            "command_saturated": float(saturated),
-            "disturbance_estimate": disturbance,
-        }
-        self.sliding.adapt(terms[XI], speed_squared, saturated=saturated)
-        # The acceleration under a clipped command is not known here; the estimate then pauses.
-        self._accelerations[state.stamp] = None if saturated else acceleration
-        return (self._within_limits(state, u) if saturated else u), blocks
+        """Return u and the telemetry listed at the class.
+
+        Raises:
+            ControlError: the inverse dynamics of the nominal model is not finite.
+        """
+        observed, memory = bool(self.gains.disturbance_observer), self.memory
+        if observed:
+            memory.disturbance[:] = self.observer.update(state.v)
+        status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
+        if status:
+            value = memory.acceleration.tolist()
+            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=value)
+        blocks = self.layout.blocks(row)
+        if observed:
+            # The acceleration under a clipped command is not known here; the estimate then pauses.
+            self._accelerations[state.stamp] = None if blocks["command_saturated"] else memory.acceleration.copy()
+        return u, blocks
 
     def on_applied(self, command: Command, *, own: bool) -> None:
         """The acceleration under another law's command is not known here; the disturbance estimate then pauses."""
@@ -157,35 +138,57 @@ class TerminalSliding(Law):
         self.reset()
         start, reference = path[0], path[1]
         state = RobotState(reference.stamp, start.q, start.v, np.zeros(self.n), np.zeros(3))
-        errors = tracking_errors(state, reference)
-        e = self._stacked(state, self.rotation(state, reference, errors), errors)[0].tolist()
+        self._answer(self._context, state, reference, self.wheels.momentum)
+        e = self.memory.errors[E].tolist()
         self.reset()
         return review_loop_gain(self.sliding, e, self.robot.joint_names, self.control_period, self.gains.clamp)
 
-    def _stacked(self, state: RobotState, rotation: Vector, errors: TrackingErrors) -> Vector:
-        """e, e' and the derivative of e, (3, m): [translation in the inertial frame, rotation, joints]."""
-        out = np.empty((3, 6 + self.n - self.skip))
-        stack(state.q, errors.configuration, errors.velocity, rotation, out)
-        return out
+    def rotation(self, state: RobotState, reference: Reference) -> Vector:
+        """Return the errors (4, 3) of the base rotation, as ``kernel/terminal.py`` names the rows; one answer is given.
 
-    def _acceleration(self, state: RobotState, rotation: Vector, feedforward: Vector, terms: Vector) -> Vector:
-        """The derivative of v that gives x''_d + a2 + a3; R^T (a_d + a) - w x v for the translation."""
-        out, turned = np.empty(6 + self.n), np.empty(3)
-        accelerate(state.q, feedforward, rotation[DESIRED], terms, turned, out)
-        out[3:6] = self.angular(state, turned)
-        return out
+        Args:
+            state: as for ``compute``.
+            reference: of the same stamp.
+        """
+        self._answer(self._context, state, reference, self.wheels.momentum)
+        return self.memory.rotation.copy()
 
-    def _add_wheels(self, u: Vector, state: RobotState) -> None:
-        if self.gains.gyroscopic:
-            self.wheels.add_torque(u, state.v[3:6])
+    @property
+    def start(self) -> tuple[float, float, float]:
+        """The angles that the first ones are nearest to [rad]."""
+        return 0.0, 0.0, 0.0
 
-    def _within_limits(self, state: RobotState, u: Vector) -> Vector:
-        """The command within the nominal limits; C0 is the u of x'' = 0."""
-        if self.gains.saturation == "per_axis":
-            return self.limits.per_axis(u)
-        still, v = np.zeros(6 + self.n), state.v[:6].tolist()
-        still[:3] = cross(v[:3], v[3:])
-        still[3:6] = self.angular(state, np.zeros(3))
-        bias, _ = self.model.actuated_inverse_dynamics(state.q, state.v, still)
-        self._add_wheels(bias, state)
-        return self.limits.direction_preserving(u, bias)
+    def _bind(self) -> Context:
+        """What compiled code works on: these gains, this K_hat."""
+        gains, adaptation = self.gains, self.gains.adaptation
+        rule = TerminalRule(
+            attitude=int(self.attitude()),
+            floating=int(self.skip > 0),
+            mass=self.model.mass,
+            gyroscopic=int(gains.gyroscopic),
+            preserve=int(gains.saturation == "direction_preserving"),
+            keep=self.sliding.keep,
+            cap=self.sliding.cap,
+            rate=adaptation.rate,
+            freeze=int(adaptation.freeze_on_saturation),
+            min_cosine=self.smallest_cosine(),
+        )
+        self.memory = self.memory._replace(estimate=self.sliding.array)
+        return context_of(Terminal(rule, self.sliding.rule, self.memory, self.model.arrays, self.limits.numbers))
+
+    @abstractmethod
+    def attitude(self) -> int:
+        """How the attitude is represented, as ``kernel/answer.py`` names it."""
+
+    def smallest_cosine(self) -> float:
+        """Lower bound of |cos pitch|, of laws with angles."""
+        return 1.0
+
+
+def _layout(n: int, m: int) -> Layout:
+    """The blocks of the telemetry of m sliding variables."""
+    errors = {"position_error": 3, "attitude_error": 3, "joint_error": n, "twist_error": 6, "joint_rate_error": n}
+    per_dof = ("sliding_variable", "sliding_excess", "xi", "adaptive_gain")
+    terms = {**dict.fromkeys(per_dof, m), "eta_error": 1, "loop_gain": m}
+    command = {"command_unsaturated": 6 + n, "command_norm": 1, "command_saturated": 1, "disturbance_estimate": 6 + n}
+    return Layout.of({**errors, **terms, **command})

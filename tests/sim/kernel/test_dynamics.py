@@ -13,10 +13,10 @@ import pinocchio as pin
 import pytest
 
 from space_robot_description.kernel import jit
+from space_robot_description.kernel.arrays import robot_arrays
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_sim.kernel.aba import forward_dynamics
-from space_robot_sim.kernel.arrays import robot_arrays
 from space_robot_sim.kernel.articulated import WORKSPACE
 from space_robot_sim.kernel.momentum import balance
 from space_robot_sim.kernel.period import advance

@@ -11,9 +11,9 @@ import pytest
 from space_robot_control.laws import make_law
 from space_robot_control.laws.ntsmc.angle_branch import AngleBranch, euler_rates, wrapped
 from space_robot_control.laws.ntsmc.euler_law import NtsmcEuler
-from space_robot_control.laws.ntsmc.kernel.terminal import E
+from space_robot_control.laws.ntsmc.kernel.sliding import EQUIVALENT, REACHING
+from space_robot_control.laws.ntsmc.kernel.terminal import DESIRED, E
 from space_robot_control.references import make_reference
-from space_robot_control.tracking import tracking_errors
 from space_robot_description import rotations as rot
 from space_robot_msgs_py.interfaces import Reference, RobotState
 from tests.support.robots import arm_model, random_state, robot_of
@@ -38,7 +38,7 @@ def turned(*rpy: float) -> RobotState:
 
 def error_of(law: NtsmcEuler, *rpy: float) -> list[float]:
     state, reference = turned(*rpy), Reference(0, turned(0.0, 0.0, 0.0).q, ZERO, ZERO)
-    return law.rotation(state, reference, tracking_errors(state, reference))[E].tolist()
+    return law.rotation(state, reference)[E].tolist()
 
 
 def test_angles_follow_a_motion_through_turns_and_the_singular_pitch() -> None:
@@ -48,6 +48,14 @@ def test_angles_follow_a_motion_through_turns_and_the_singular_pitch() -> None:
     found = np.array([branch.nearest(rot.from_rpy(rpy)) for rpy in angles])
     assert np.abs(angles[:, 1]).max() > pi / 2
     np.testing.assert_allclose(found, angles, atol=1e-9)
+
+
+def test_the_law_follows_the_same_branch() -> None:
+    """Along that motion the compiled law has the angles that ``AngleBranch`` gives."""
+    law, branch = law_of(), AngleBranch((0.0, 0.0, 0.0))
+    for rpy in np.array([[4.0, 2.5, -7.0]]) * np.linspace(0.0, 1.0, 100)[:, None]:
+        error = error_of(law, *rpy)
+        np.testing.assert_allclose(error, branch.nearest(rot.from_rpy(rpy)), rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("start_deg", [(-225.0, 90.0, -225.0), (-315.0, 30.0, -225.0), (80.0, -60.0, 100.0)])
@@ -95,9 +103,9 @@ def test_the_commanded_acceleration_is_that_of_the_angles(seed: int) -> None:
     state = RobotState(0, q, v, np.zeros(N), np.zeros(3))
     reference = Reference(0, q_d, v_d, rng.normal(size=6 + N) * 0.1)
     law = law_of()
-    law.rotation(state, reference, tracking_errors(state, reference))
-    wanted = rng.normal(size=3)
-    alpha, h = np.array(law.angular(state, wanted)), 1e-5
+    pushes = law.rotation(state, reference)[DESIRED]
+    terms = law.memory.terms[:, 3:6]
+    wanted, alpha, h = pushes + terms[EQUIVALENT] + terms[REACHING], law.memory.acceleration[3:6], 1e-5
     rates = []
     for t in (-h, h):
         quaternion = rot.product(q[3:7], rot.exp(t * v[3:6] + 0.5 * t * t * alpha))

@@ -12,7 +12,6 @@ from space_robot_control.laws import make_law
 from space_robot_control.laws.ntsmc.kernel.terminal import E_DOT, E
 from space_robot_control.laws.ntsmc.quaternion_law import Ntsmc
 from space_robot_control.references import make_reference
-from space_robot_control.tracking import tracking_errors
 from space_robot_description import rotations as rot
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
@@ -48,7 +47,7 @@ def test_the_short_way_is_taken_from_a_thousand_attitudes() -> None:
         answers = []
         for measured in (q, flipped):
             state, reference = RobotState(0, measured, zero, np.zeros(N), np.zeros(3)), Reference(0, q_d, zero, zero)
-            found = law.rotation(state, reference, tracking_errors(state, reference))
+            found = law.rotation(state, reference)
             answers.append(found[E].tolist())
         assert answers[0] == answers[1]
         to_goal = np.array(rot.rotate(q[3:7], rot.log(rot.relative(q[3:7], q_d[3:7]))))
@@ -66,7 +65,7 @@ def test_the_derivative_of_the_quaternion_error_holds_for_a_turning_reference(se
         q = pin.integrate(WIDE.model, state.q, state.v * t)
         q_d = pin.integrate(WIDE.model, reference.q, reference.v * t)
         moved = RobotState(0, q, state.v, np.zeros(N), np.zeros(3)), Reference(0, q_d, reference.v, reference.a)
-        return law.rotation(*moved, tracking_errors(*moved))
+        return law.rotation(*moved)
 
     change = (at(h)[E] - at(-h)[E]) / (2 * h)
     np.testing.assert_allclose(change, at(0.0)[E_DOT], atol=1e-8)

@@ -1,0 +1,1 @@
+"""The loop of plant and law as one compiled function."""

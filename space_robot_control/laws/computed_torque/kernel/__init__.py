@@ -1,0 +1,1 @@
+"""Computed torque in plain scalar code."""
