@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 pytest.importorskip("cyclonedds")
-from tests.integration.test_default_qos import ALONE, efforts
+from tests.support.commanded import ALONE, efforts
 from tests.support.cyclone import CycloneClient
 from tests.support.harness import DEADLINE, running_graph
 

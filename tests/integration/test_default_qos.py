@@ -23,15 +23,13 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.context import local_context, reserved_domain
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.processes import run_processes
-from space_robot_msgs_py.codec.codecs import CommandCodec
-from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_COMMAND
+from tests.support.commanded import ALONE, efforts, end
 from tests.support.diagnostics import heard
 from tests.support.follow import DEADLINE
-from tests.support.harness import RunningGraph, running_graph
+from tests.support.harness import running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-ALONE = ("recorder", "guidance", "simulator")
 EFFORT = 0.002
 
 
@@ -54,21 +52,6 @@ class Plain(Node):  # type: ignore[misc]
         command = JointState(name=self.names, effort=[EFFORT] * len(self.names))
         command.header.stamp = odom.header.stamp
         self.joints.publish(command)
-
-
-def efforts(place: Path) -> list[float]:
-    """First effort of every tick that has a command."""
-    log = LogReader(place)
-    codec = CommandCodec(log.header.joint_names)
-    rows = [[parts.get(topic.name) for topic in codec.topics] for _, parts in log.stamps()]
-    return [float(codec.decode([raw for raw in row if raw]).effort[0]) for row in rows if all(row)]
-
-
-def end(robot: RunningGraph) -> None:
-    """To the end of the run and of the log."""
-    robot.spin_until(lambda: robot.recorder.end_reason, "the end of the run")
-    robot.settle()
-    robot.recorder.finish(str(robot.recorder.end_reason))
 
 
 def commands_alone(place: Path, *, later: float, prepare: Callable[[Plain], None] = lambda plain: None) -> None:

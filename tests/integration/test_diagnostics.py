@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -12,15 +11,10 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from space_robot_msgs_py.topics import JOINT_COMMAND
 from space_robot_sim.nodes import health
-from tests.support.diagnostics import heard
+from tests.support.diagnostics import heard, numbers
 from tests.support.harness import running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-
-
-def numbers(status: Any) -> dict[str, str]:
-    """The values of a status."""
-    return {value.key: value.value for value in status.values}
 
 
 def test_both_nodes_publish_diagnostics(tmp_path: Path) -> None:

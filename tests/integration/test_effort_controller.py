@@ -14,7 +14,7 @@ from std_msgs.msg import Float64MultiArray
 from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_control.nodes.effort_controller import COMMANDS
 from space_robot_msgs_py.log.reader import LogReader
-from tests.integration.test_default_qos import efforts, end
+from tests.support.commanded import efforts, end
 from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]

@@ -31,7 +31,7 @@ from space_robot_msgs_py.codec.codecs import ReferenceCodec
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.set_points import BASE_GOAL, JOINT_TRAJECTORY, TELEOP, TOOL_GOAL
-from tests.integration.test_diagnostics import heard, numbers
+from tests.support.diagnostics import heard, numbers
 from tests.support.harness import RunningGraph, running_graph
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]

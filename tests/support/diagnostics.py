@@ -18,3 +18,8 @@ def heard(robot: RunningGraph) -> dict[str, Any]:
 
     robot.stranger.create_subscription(DiagnosticArray, "/diagnostics", take, 10)
     return newest
+
+
+def numbers(status: Any) -> dict[str, str]:
+    """The values of a status."""
+    return {value.key: value.value for value in status.values}

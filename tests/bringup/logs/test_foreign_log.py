@@ -15,8 +15,7 @@ from space_robot_bringup.logs.foreign_bag import Source
 from space_robot_bringup.logs.foreign_log import read_shown
 from space_robot_msgs_py.codec.generic import parse, serialise
 from space_robot_msgs_py.errors import LogError
-from tests.bringup.replay.test_any_bag import FIRST, since_1970
-from tests.bringup.replay.test_foreign_bags import SHORT, TYPES, recorded, with_mcap, write
+from tests.support.foreign_bags import FIRST, SHORT, TYPES, recorded, since_1970, with_mcap, write
 from tests.support.replays import record_run
 
 ROBOT = ("robot_description", "base/odom", "joint_states")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,16 +11,11 @@ from mcap.writer import CompressionType, Writer
 from space_robot_bringup.logs.foreign_bag import Source
 from space_robot_bringup.logs.info import bag_info
 from space_robot_bringup.replay.publish import Broadcast, open_broadcast
-from space_robot_msgs_py.codec.cdr import with_stamp
-from space_robot_msgs_py.codec.texts import peek_stamp
 from space_robot_msgs_py.errors import LogError, SpecError
 from space_robot_msgs_py.log.bag import Bag, BagMessage
 from space_robot_msgs_py.log.reader import LogReader
-from tests.bringup.replay.test_foreign_bags import SHORT, TYPES, WALL, recorded, with_mcap, write
+from tests.support.foreign_bags import FIRST, SHORT, TYPES, recorded, since_1970, with_mcap, write
 from tests.support.replays import record_run, replayed
-
-STAMPED = ("base/odom", "joint_states", "base/imu", "reference/base", "reference/base_accel", "reference/joints")
-FIRST = Source(start="first")
 
 
 @pytest.fixture(scope="module")
@@ -48,13 +42,6 @@ def test_a_renamed_run_is_a_run(run_log: Path, tmp_path: Path) -> None:
     (tmp_path / "moved" / "moved.mcap").write_bytes(LogReader(run_log).path.read_bytes())
     assert replayed(tmp_path / "moved").equal
     assert content(open_broadcast(tmp_path / "moved")) == content(open_broadcast(run_log))
-
-
-def since_1970(log: Path, drop: tuple[str, ...] = ()) -> Iterator[tuple[str, int, bytes]]:
-    """The messages of a run as a robot sends them that has only the wall clock."""
-    for name, time, raw in recorded(log, drop):
-        headed = name in STAMPED or "command" in name
-        yield name, time, with_stamp(raw, peek_stamp(raw) + WALL) if headed else raw
 
 
 def test_stamps_since_1970_count_from_the_first_state(run_log: Path, tmp_path: Path) -> None:
