@@ -18,7 +18,7 @@ from space_robot_description.kernel.jit import bound
 from space_robot_msgs_py.interfaces import Command, Vector
 from space_robot_sim.actuators import capability, motor_numbers
 from space_robot_sim.integrators import stepping
-from space_robot_sim.kernel.period import PlantContext, advance, plant_memory
+from space_robot_sim.kernel.period import PlantContext, advance, keep, plant_memory
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from space_robot_sim.spec import IntegratorSpec
 from tests.support.robots import LivelyMotion, MujocoTwin, arm_model, robot_of
@@ -78,7 +78,7 @@ def _kernel(spec: IntegratorSpec, efforts: list[Vector]) -> Contender:
     arrays, able = robot_arrays(robot.model, motor_numbers(robot)), capability(robot, PERIOD)
     how, plant, (q, v) = stepping(spec, arrays, PERIOD), plant_memory(JOINTS, 0), _start()
     commands = [np.concatenate([np.zeros(6), effort]) for effort in efforts]
-    context = context_of(PlantContext(arrays, able, how, plant))
+    context = context_of(PlantContext(arrays, able, how, plant), keep)
     compiled = bound(advance, context.address, commands[0], 0.1, False)
 
     def start() -> tuple[Callable[[int], object], Callable[[], Vector]]:

@@ -29,7 +29,7 @@ from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
 from space_robot_sim.kernel.momentum import ENERGY, LINEAR
-from space_robot_sim.kernel.period import PlantContext, PlantMemory, advance, plant_memory, reset_baseline, settle
+from space_robot_sim.kernel.period import PlantContext, PlantMemory, advance, keep, plant_memory, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
 from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
@@ -192,7 +192,7 @@ class SimulatedRobot:
         known = self._context
         # Faults replace the two; a look at their addresses is all that other runs pay for it.
         if known is None or known.values.robot is not self._arrays or known.values.able is not self._able:
-            known = context_of(PlantContext(self._arrays, self._able, self._how, self._memory))
+            known = context_of(PlantContext(self._arrays, self._able, self._how, self._memory), keep)
             self._context = known
         return known
 

@@ -6,13 +6,13 @@ each, and a number says where they are. Without numba the number is the values t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from space_robot_description.kernel import jit
-from space_robot_description.kernel.jit import kernel
 
 ROOM = 1 << 14
 
@@ -22,7 +22,7 @@ if jit.MACHINE_CODE:
     from numba.extending import intrinsic
 
     @intrinsic  # type: ignore[untyped-decorator]
-    def _stored(typing: Any, value: Any, room: Any) -> Any:
+    def stored(typing: Any, value: Any, room: Any) -> Any:
         """Write a value into an array of bytes; returns how many it takes."""
 
         def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -54,11 +54,8 @@ else:
         """The values themselves."""
         return address
 
-
-@kernel
-def _store(value: Any, room: Any) -> int:
-    size: int = _stored(value, room)
-    return size
+    def stored(value: Any, room: Any) -> Any:
+        """Not needed without a compiler."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -80,14 +77,20 @@ def kind_of(values: Any) -> Any:
     return typeof(values)
 
 
-def context_of(values: Any) -> Context:
-    """Make values known by an address."""
+def context_of(values: Any, keep: Callable[[Any, Any], int]) -> Context:
+    """Make values known by an address.
+
+    Args:
+        values: tuples of arrays and numbers.
+        keep: a kernel that calls ``stored``, one for each type of values: the cache of a kernel names all types that
+            it was ever called with, and whoever reads it loads the modules of all of them.
+    """
     if not jit.MACHINE_CODE:
         return Context(values, values)
     room = np.zeros(ROOM, dtype=np.uint8)
     if _size(values) > ROOM:
         raise ValueError("too many values for a context")
-    _store(values, room)
+    keep(values, room)
     return Context(np.int64(room.ctypes.data), values, room)
 
 

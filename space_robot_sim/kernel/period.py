@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_description.kernel.arrays import RobotArrays
-from space_robot_description.kernel.context import kind_of, loaded
+from space_robot_description.kernel.context import kind_of, loaded, stored
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.allocation import Allocation, Capability, allocate, allocation
@@ -81,6 +81,13 @@ def _example() -> PlantContext:
 
 
 PLANT = kind_of(_example())
+
+
+@kernel
+def keep(values: Any, room: Any) -> int:
+    """Write a context into bytes, see ``context_of``; returns how many it takes."""
+    size: int = stored(values, room)
+    return size
 
 
 @kernel

@@ -16,6 +16,7 @@ from space_robot_control.laws.adaptive.kernel.answer import (
     AdaptiveContext,
     UpdateRule,
     answer,
+    keep,
     note,
     update_memory,
 )
@@ -65,7 +66,7 @@ def compiled_adaptive(
         memory.numbers[TRACE] = trace
     able = Able(*limits.base)
     context = AdaptiveContext(cycle.tree, cycle.rule, update, able, cycle.workspace, memory, cycle.order)
-    return CompiledLaw(answer, context_of(context), _layout(actuated, prior.size, squares=squares), note)
+    return CompiledLaw(answer, context_of(context, keep), _layout(actuated, prior.size, squares=squares), note)
 
 
 def _layout(actuated: int, parameters: int, *, squares: bool) -> Layout:

@@ -8,7 +8,13 @@ from pydantic import Field, PositiveFloat
 
 from space_robot_control.laws.base import Blocks, Law
 from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
-from space_robot_control.laws.computed_torque.kernel.answer import TorqueContext, TorqueRule, answer, torque_memory
+from space_robot_control.laws.computed_torque.kernel.answer import (
+    TorqueContext,
+    TorqueRule,
+    answer,
+    keep,
+    torque_memory,
+)
 from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.per_dof import Axes, Joints, PerDof
@@ -88,7 +94,7 @@ class ComputedTorque(Law):
             _check_stability(wn, gains.damping, self.control_period, self.robot)
         floating, gyroscopic = int(self.robot.base_mode == "free_floating"), int(gains.gyroscopic)
         rule = TorqueRule(wn * wn, 2.0 * gains.damping * wn, self.model.mass, floating, gyroscopic)
-        self._context = context_of(TorqueContext(rule, self._memory, self.model.arrays))
+        self._context = context_of(TorqueContext(rule, self._memory, self.model.arrays), keep)
 
     def compiled(self) -> CompiledLaw:
         """The law for compiled runs."""

@@ -174,7 +174,9 @@ class TerminalSliding(Law):
             min_cosine=self.smallest_cosine(),
         )
         self.memory = self.memory._replace(estimate=self.sliding.array)
-        return context_of(Terminal(rule, self.sliding.rule, self.memory, self.model.arrays, self.limits.numbers))
+        return context_of(
+            Terminal(rule, self.sliding.rule, self.memory, self.model.arrays, self.limits.numbers), kernel.keep
+        )
 
     @abstractmethod
     def attitude(self) -> int:

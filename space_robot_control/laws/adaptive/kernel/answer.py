@@ -20,7 +20,7 @@ from space_robot_control.laws.adaptive.kernel.least_squares import correct, cova
 from space_robot_control.laws.adaptive.kernel.regression import regression
 from space_robot_control.laws.adaptive.kernel.tree import Tree
 from space_robot_control.laws.adaptive.kernel.workspace import PeriodStart, Rule, Workspace, workspace_for
-from space_robot_description.kernel.context import kind_of, loaded
+from space_robot_description.kernel.context import kind_of, loaded, stored
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 
@@ -156,6 +156,13 @@ def _example() -> AdaptiveContext:
 
 
 ADAPTIVE = kind_of(_example())
+
+
+@kernel
+def keep(values: Any, room: Any) -> int:
+    """Write a context into bytes, see ``context_of``; returns how many it takes."""
+    size: int = stored(values, room)
+    return size
 
 
 @kernel

@@ -14,7 +14,7 @@ from space_robot_control.kernel.answers import ANSWERED, UNUSABLE
 from space_robot_control.kernel.nominal import actuated_forces, add_gyroscopic
 from space_robot_control.kernel.tracking import track
 from space_robot_description.kernel.arrays import RobotArrays
-from space_robot_description.kernel.context import kind_of, loaded
+from space_robot_description.kernel.context import kind_of, loaded, stored
 from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE
 from space_robot_description.kernel.jit import kernel
 from space_robot_msgs_py.interfaces import Vector
@@ -71,6 +71,13 @@ def _example() -> TorqueContext:
 
 
 TORQUE = kind_of(_example())
+
+
+@kernel
+def keep(values: Any, room: Any) -> int:
+    """Write a context into bytes, see ``context_of``; returns how many it takes."""
+    size: int = stored(values, room)
+    return size
 
 
 @kernel

@@ -27,7 +27,7 @@ from space_robot_control.laws.ntsmc.kernel.terminal import (
     stack,
 )
 from space_robot_description.kernel.arrays import RobotArrays
-from space_robot_description.kernel.context import kind_of, loaded
+from space_robot_description.kernel.context import kind_of, loaded, stored
 from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.quaternion import attitude, put, rotate_inverse, three
@@ -144,6 +144,13 @@ def _example() -> Terminal:
 
 
 TERMINAL = kind_of(_example())
+
+
+@kernel
+def keep(values: Any, room: Any) -> int:
+    """Write a context into bytes, see ``context_of``; returns how many it takes."""
+    size: int = stored(values, room)
+    return size
 
 
 @kernel
