@@ -83,7 +83,7 @@ def context_of(values: Any, keep: Callable[[Any, Any], int]) -> Context:
     Args:
         values: tuples of arrays and numbers.
         keep: a kernel that calls ``stored``, one for each type of values: the cache of a kernel names all types that
-            it was ever called with, and whoever reads it loads the modules of all of them.
+            it was ever called with, and what reads it loads the modules of all of them.
     """
     if not jit.MACHINE_CODE:
         return Context(values, values)

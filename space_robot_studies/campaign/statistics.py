@@ -80,7 +80,7 @@ class Spread:
         low, high = _interval_of_mean(values, seed)
         p05, median, p95 = (float(quantile) for quantile in np.quantile(values, [0.05, 0.5, 0.95]))
         worst = indices[int(np.argmax(values))]
-        ends = float(values.min()), float(values.max())
+        ends = float(np.min(values)), float(np.max(values))
         return cls(values.size, missing, float(np.mean(values)), low, high, median, p05, p95, *ends, worst)
 
 
