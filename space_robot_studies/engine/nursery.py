@@ -38,7 +38,7 @@ class Nursery:
     """This process's end of its nursery."""
 
     def __init__(self) -> None:
-        self.read_once, self.owner = read_once(os.environ), os.getpid()
+        self.read_once, self.owner, self._asking = read_once(os.environ), os.getpid(), threading.Lock()
         self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
             code = START.format(path=sys.path)
@@ -68,8 +68,10 @@ class Nursery:
         """
         request = dumps({"cwd": os.getcwd(), "environment": dict(os.environ), "path": sys.path}).encode()
         try:
-            socket.send_fds(self._socket, [request], [channel.fileno(), 2])
-            answer = loads(self._socket.recv(REQUEST_BYTES) or b"null")
+            # Two threads that ask at once must not get each other's answers.
+            with self._asking:
+                socket.send_fds(self._socket, [request], [channel.fileno(), 2])
+                answer = loads(self._socket.recv(REQUEST_BYTES) or b"null")
         except (OSError, ValueError):
             answer = None
         if answer is None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
+import socket
 import sys
 from pathlib import Path
 from threading import Event, Thread
@@ -76,3 +78,35 @@ def test_a_nursery_that_was_killed_costs_nothing_but_its_start() -> None:
     first.wait()
     with LocalWorkers(1, 60.0) as pool:
         assert ask(pool, "wave", "PATH")[1] == os.environ["PATH"]
+
+
+def test_two_threads_get_their_own_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A thread asks only when the answer to the one before is read; their pools work beside each other."""
+    asked, most, send, read = list[int](), list[int](), socket.send_fds, json.loads
+
+    def ask_slowly(*arguments: Any) -> int:
+        asked.append(1)
+        most.append(len(asked))
+        sent = send(*arguments)
+        Event().wait(0.05)
+        return sent
+
+    def answered(text: bytes) -> Any:
+        asked.pop()
+        return read(text)
+
+    nursery()
+    monkeypatch.setattr(socket, "send_fds", ask_slowly)
+    monkeypatch.setattr("space_robot_studies.engine.nursery.loads", answered)
+    found: list[Any] = []
+
+    def study() -> None:
+        with LocalWorkers(1, 60.0) as pool:
+            found.append(ask(pool, "wave", "PATH")[1])
+
+    threads = [Thread(target=study) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert (found, most) == ([os.environ["PATH"]] * 3, [1, 1, 1])
