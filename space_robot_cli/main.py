@@ -44,7 +44,7 @@ def list_shipped(
     kind: Annotated[
         str,
         typer.Argument(
-            help="experiments, papers, campaigns, supervision, robots, laws or faults; default: all but the last two",
+            help=f"{', '.join(LISTED[:-1])} or {LISTED[-1]}; default: all but the last two",
             autocompletion=choices(LISTED),
         ),
     ] = "",

@@ -16,6 +16,7 @@ from space_robot_description.spec import Three
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.faults.base import Fault, FaultSite
+from space_robot_sim.sensor_rule import MAX_DELAY
 
 Channel = Literal[
     "position",
@@ -30,7 +31,6 @@ Channel = Literal[
 Probability = Annotated[float, Field(gt=0.0, le=1.0)]
 Numbers = float | tuple[float, ...]
 ATTITUDE = "attitude"
-MAX_DELAY = 10_000  # control periods; every one of them is kept
 
 
 @dataclass(slots=True)

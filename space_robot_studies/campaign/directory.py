@@ -10,12 +10,12 @@ from typing import Any
 
 from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_description.validation import parse_yaml, validate
-from space_robot_msgs_py.atomic_file import TEMPORARY, write_atomically
+from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.bounded_files import is_file, short
 from space_robot_msgs_py.errors import InputFileError, LogError, SpecError
 from space_robot_studies.campaign.spec import Campaign
 from space_robot_studies.engine.journal import Journal, Row, check_columns, finished_rows, locked, open_journal
-from space_robot_studies.engine.storage import check_place, guarded
+from space_robot_studies.engine.storage import check_study, guarded
 
 CAMPAIGN = "resolved.yaml"
 # What every row of the table has, see ``table.FIXED``, and of which types it may be; older rows have no remarks.
@@ -67,22 +67,13 @@ def check_directory(directory: Path, campaign: Campaign, *, resume: bool) -> Non
         SpecError: it holds something else, or this campaign and ``resume`` was not given.
         LogError: there can be no such directory.
     """
-    key, new = "--out", "a new or empty directory"
-    check_place(directory, new)
-    with guarded(directory):
-        there = directory.exists()
-        begun = (directory / CAMPAIGN).exists()
-        if not begun and there and any(path.suffix != TEMPORARY for path in directory.iterdir()):
-            raise SpecError("not empty and not a campaign", key=key, value=str(directory), accepted=new)
-    if not begun:
-        return
-    if not resume:
-        raise SpecError("holds a campaign", key=key, value=str(directory), accepted=f"--resume, or {new}")
-    before, now = _identity(begun_campaign(directory)), _identity(campaign)
-    different = [name for name in sorted(before.keys() | now.keys()) if before.get(name) != now.get(name)]
-    if different:
-        what = f"holds another campaign (not the same: {', '.join(different)})"
-        raise SpecError(what, key=key, value=str(directory), accepted="the campaign it was begun with")
+    check_study(
+        directory,
+        "campaign",
+        CAMPAIGN,
+        lambda: (_identity(begun_campaign(directory)), _identity(campaign)),
+        resume=resume,
+    )
 
 
 @contextmanager

@@ -54,9 +54,9 @@ def markdown(comparisons: Sequence[Comparison], costs: Mapping[str, Mapping[str,
     for comparison in comparisons:
         parts.append(f"## {comparison.title or comparison.name}")
         for metric, what in METRICS.items():
-            parts += [f"### {what}", _markdown(headings(comparison), rows_of(comparison, metric))]
+            parts += [f"### {what}", markdown_table(headings(comparison), rows_of(comparison, metric))]
         cost = [[law, cost_text(value)] for law, value in costs[comparison.name].items()]
-        parts += ["### cost per cycle", _markdown(["law", COST], cost)]
+        parts += ["### cost per cycle", markdown_table(["law", COST], cost)]
     return "\n\n".join(parts) + "\n"
 
 
@@ -65,6 +65,7 @@ def cost_text(value: float | None) -> str:
     return "-" if value is None else f"{value:.0f}"
 
 
-def _markdown(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def markdown_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table of Markdown, whatever its cells say."""
     lines = [heads, ["---"] * len(heads), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)

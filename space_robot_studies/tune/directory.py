@@ -10,10 +10,10 @@ from typing import Any
 
 from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_description.validation import parse_yaml, validate
-from space_robot_msgs_py.atomic_file import TEMPORARY, write_atomically
-from space_robot_msgs_py.errors import LogError, SpecError
+from space_robot_msgs_py.atomic_file import write_atomically
+from space_robot_msgs_py.errors import LogError
 from space_robot_studies.engine.journal import Journal, Row, check_columns, locked, open_journal
-from space_robot_studies.engine.storage import check_place, guarded
+from space_robot_studies.engine.storage import check_study, guarded
 from space_robot_studies.tune.spec import Tuning
 
 RESOLVED = "resolved.yaml"
@@ -28,22 +28,14 @@ def check_directory(directory: Path, tuning: Tuning, *, resume: bool) -> None:
         SpecError: it holds something else, or this tuning and ``resume`` was not given.
         LogError: there can be no such directory.
     """
-    key, new = "--out", "a new or empty directory"
-    check_place(directory, new)
     path = directory / RESOLVED
-    with guarded(directory):
-        begun = path.exists()
-        if not begun and directory.exists() and any(one.suffix != TEMPORARY for one in directory.iterdir()):
-            raise SpecError("not empty and not a tuning", key=key, value=str(directory), accepted=new)
-    if not begun:
-        return
-    if not resume:
-        raise SpecError("holds a study", key=key, value=str(directory), accepted=f"--resume, or {new}")
-    before, now = (_identity(one) for one in (validate(Tuning, parse_yaml(path), str(path)), tuning))
-    different = [name for name in sorted(before.keys() | now.keys()) if before.get(name) != now.get(name)]
-    if different:
-        what = f"holds another tuning (not the same: {', '.join(different)})"
-        raise SpecError(what, key=key, value=str(directory), accepted="the file it was begun with")
+    check_study(
+        directory,
+        "tuning",
+        RESOLVED,
+        lambda: (_identity(validate(Tuning, parse_yaml(path), str(path))), _identity(tuning)),
+        resume=resume,
+    )
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from space_robot_studies.compare.tables import markdown_table
 from space_robot_studies.tune.outcome import StandResult, TuningResult, estimate, number
 from space_robot_studies.tune.ranking import Evaluation
 
@@ -54,6 +55,4 @@ def gains_of(stand: StandResult) -> str:
 
 def markdown(result: TuningResult) -> str:
     """The table of all laws and points."""
-    lines = [list(HEADINGS), ["---"] * len(HEADINGS), *rows_of(result)]
-    rows = ("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
-    return LEGEND + "\n\n" + "\n".join(rows) + "\n"
+    return f"{LEGEND}\n\n{markdown_table(HEADINGS, rows_of(result))}\n"

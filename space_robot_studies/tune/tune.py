@@ -26,7 +26,7 @@ from space_robot_studies.tune.ranking import Evaluation
 from space_robot_studies.tune.spec import Tuning
 from space_robot_studies.tune.stand import Stand, make_stands
 
-# Where the draws of a search, and those it never sees, come from.
+# What the extra for many runs brings.
 NEEDED = ("cmaes", "scipy", "pyarrow")
 
 
@@ -168,30 +168,29 @@ class Session:
     def _search(self, stands: Sequence[Stand]) -> bool:
         """Whether every search came to its end."""
         draws = range(self.tuning.draws)
-        shipped = [Trial(stand, "search", 0, {}, draws) for stand in stands]
-        found = self._try(shipped)
-        if found is None:
+        if not self._evaluate([Trial(stand, "search", 0, {}, draws) for stand in stands]):
             return False
-        for trial, outcome in zip(shipped, found, strict=True):
-            self._take(trial, outcome)
         while batches := [(stand, batch) for stand in stands if (batch := stand.search.ask())]:
             trials = [
                 Trial(stand, "search", len(stand.evaluations) + k, stand.gains(candidate), draws)
                 for stand, batch in batches
                 for k, candidate in enumerate(batch)
             ]
-            found = self._try(trials)
-            if found is None:
+            if not self._evaluate(trials):
                 return False
-            for trial, outcome in zip(trials, found, strict=True):
-                self._take(trial, outcome)
             for stand, batch in batches:
                 stand.search.tell(batch, [one.rank for one in stand.evaluations[-len(batch) :]])
         return True
 
-    def _take(self, trial: Trial, draws: Draws) -> None:
-        over = self.tuning.objective.over
-        trial.stand.evaluations.append(Evaluation(trial.number, trial.gains, tuple(draws), over))
+    def _evaluate(self, trials: Sequence[Trial]) -> bool:
+        """Try all of them, and enter each at its stand; False where the tuning was stopped before."""
+        found = self._try(trials)
+        if found is None:
+            return False
+        for trial, draws in zip(trials, found, strict=True):
+            one = Evaluation(trial.number, trial.gains, tuple(draws), self.tuning.objective.over)
+            trial.stand.evaluations.append(one)
+        return True
 
     def _conclude(self, stands: Sequence[Stand]) -> list[StandResult]:
         """Neighbours of the best gains, and both settings on the held-out draws."""

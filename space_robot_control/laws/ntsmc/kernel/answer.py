@@ -177,12 +177,12 @@ def answer(
     stack(q, memory.configuration, memory.velocity, memory.rotation, memory.errors)
     e = memory.errors
     slide(law.mode, memory.estimate, e[E], e[RATE], e[E_DOT], speed_squared, memory.terms)
-    wished = memory.acceleration
-    accelerate(q, memory.feedforward, memory.rotation[DESIRED], memory.terms, memory.turned, wished)
-    put(wished, 3, _angular(rule, q, three(memory.turned, 0), memory))
-    for i in range(wished.shape[0]):
-        wished[i] -= memory.disturbance[i]
-    if not actuated_forces(law.robot, rule.mass, rule.floating, q, v, wished, memory.work, u):
+    wanted = memory.acceleration
+    accelerate(q, memory.feedforward, memory.rotation[DESIRED], memory.terms, memory.turned, wanted)
+    put(wanted, 3, _angular(rule, q, three(memory.turned, 0), memory))
+    for i in range(wanted.shape[0]):
+        wanted[i] -= memory.disturbance[i]
+    if not actuated_forces(law.robot, rule.mass, rule.floating, q, v, wanted, memory.work, u):
         return UNUSABLE
     if rule.gyroscopic:
         add_gyroscopic(wheels, v, u)
