@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import exp, inf, radians
-
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
@@ -14,13 +12,12 @@ from space_robot_control.laws.adaptive.kernel.answer import (
     TRACE,
     Able,
     AdaptiveContext,
-    UpdateRule,
     answer,
     keep,
     note,
     update_memory,
 )
-from space_robot_control.laws.adaptive.least_squares import MAX_GROWTH
+from space_robot_control.laws.adaptive.update_rule import update_rule
 from space_robot_control.laws.compiled import CompiledLaw, Layout
 from space_robot_description.kernel.context import context_of
 from space_robot_msgs_py.interfaces import Vector
@@ -38,32 +35,15 @@ def compiled_adaptive(
         prior: (P,) its parameters.
         consistent: every body with these parameters can exist.
     """
-    squares, filtered = gains.update in ("rls", "rls_filtered", "composite"), gains.update == "rls_filtered"
-    size, rls, step = np.abs(prior), gains.rls, cycle.rule.period * gains.tracking.gain
-    spread = rls.prior_spread * size + rls.prior_floor
-    trace = float(spread @ spread)
-    update = UpdateRule(
-        squares=int(squares),
-        filtered=int(filtered),
-        tracks=int(gains.update in ("lyapunov", "composite")),
-        keep=exp(-rls.bandwidth * cycle.rule.period),
-        step=step,
-        gain=step * (size + gains.tracking.floor) ** 2,
-        spread=spread,
-        trace=trace,
-        largest=MAX_GROWTH * trace,
-        threshold=inf if rls.reset is None else rls.reset.threshold,
-        samples=1 if rls.reset is None else rls.reset.samples,
-        pitch=radians(gains.pitch_limit_deg),
-        gyroscopic=int(gains.gyroscopic),
-    )
+    update = update_rule(gains, cycle.rule.period, prior)
+    squares, filtered = bool(update.squares), bool(update.filtered)
     actuated = cycle.order.size
     memory = update_memory(prior.size // 10 - 1, actuated, squares=squares, filtered=filtered)
     memory.estimate[:] = prior
     memory.counts[CONSISTENT] = consistent
     if squares:
-        memory.root[:] = np.diag(spread)
-        memory.numbers[TRACE] = trace
+        memory.root[:] = np.diag(update.spread)
+        memory.numbers[TRACE] = update.trace
     able = Able(*limits.base)
     context = AdaptiveContext(cycle.tree, cycle.rule, update, able, cycle.workspace, memory, cycle.order)
     return CompiledLaw(answer, context_of(context, keep), _layout(actuated, prior.size, squares=squares), note)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import inf
-
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
@@ -15,6 +13,7 @@ from space_robot_control.laws.adaptive.kernel.consistency import assess
 from space_robot_control.laws.adaptive.kernel.least_squares import transpose_times
 from space_robot_control.laws.adaptive.kernel.workspace import PeriodStart
 from space_robot_control.laws.adaptive.least_squares import RecursiveLeastSquares
+from space_robot_control.laws.adaptive.update_rule import update_rule
 from space_robot_control.laws.base import Blocks
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError
@@ -45,20 +44,15 @@ class ParameterUpdate:
     def __init__(self, robot: Robot, prior: Vector, cycle: Cycle, gains: AdaptiveGains) -> None:
         self._cycle, self._gains = cycle, gains
         self._limits = CommandLimits(robot)
-        size, rls = np.abs(prior), gains.rls
+        rule = update_rule(gains, cycle.rule.period, prior)
         self._noise = cycle.rule.noise
         self._innovation = np.zeros(self._noise.size)
         self._learned = False
         self._rls: RecursiveLeastSquares | None = None
-        if gains.update in ("rls", "rls_filtered", "composite"):
-            when = rls.reset
-            limits = (inf, 1) if when is None else (when.threshold, when.samples)
-            self._rls = RecursiveLeastSquares(rls.prior_spread * size + rls.prior_floor, *limits)
-        filtered = gains.update == "rls_filtered"
-        self._filter = FilteredRegression(rls.bandwidth * cycle.rule.period) if filtered else None
-        self._tracks = gains.update in ("lyapunov", "composite")
-        self._step = cycle.rule.period * gains.tracking.gain
-        self._gain = self._step * (size + gains.tracking.floor) ** 2
+        if rule.squares:
+            self._rls = RecursiveLeastSquares(rule.spread, rule.threshold, rule.samples)
+        self._filter = FilteredRegression(gains.rls.bandwidth * cycle.rule.period) if rule.filtered else None
+        self._tracks, self._step, self._gain = bool(rule.tracks), rule.step, rule.gain
         self._start: PeriodStart | None = None
         self.estimate: Vector = np.array(prior if gains.consistency == "none" else project(prior))
         _, _, self.consistent = assess(self.estimate)
