@@ -1,4 +1,4 @@
-"""``python -m benchmarks [plant adaptive loop supervision graph live log campaign report memory]`` prints the tables."""
+"""``python -m benchmarks [plant adaptive loop supervision graph live log ...]`` prints the tables."""
 
 from __future__ import annotations
 

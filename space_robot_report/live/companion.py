@@ -7,7 +7,7 @@ import os
 import select
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 
@@ -32,13 +32,13 @@ def shown_live(brief: Brief) -> Iterator[dict[str, str]]:
     """
     check_installed(brief)
     # Only here: everything else works on a machine without ROS.
-    from space_robot_bringup.modes.context import reserved_domain
+    from space_robot_bringup.modes.context import reservations, reserved_domain
 
     before = os.environ.get(DOMAIN)
     with reserved_domain() as domain:
         os.environ[DOMAIN] = str(domain)
         try:
-            child = _started(brief)
+            child = _started(brief, reservations())
             try:
                 yield _addresses(child)
             finally:
@@ -61,7 +61,7 @@ def check_installed(brief: Brief) -> None:
             raise SpecError(f"needs {module}", key=option, value=port, accepted=install(extra))
 
 
-def _started(brief: Brief) -> subprocess.Popen[str]:
+def _started(brief: Brief, held: Sequence[int]) -> subprocess.Popen[str]:
     # A session of its own: Ctrl-C in the terminal is for the run.
     child = subprocess.Popen(
         [sys.executable, "-m", "space_robot_report.nodes.live"],
@@ -69,6 +69,7 @@ def _started(brief: Brief) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        pass_fds=held,
     )
     assert child.stdin is not None
     with suppress(BrokenPipeError):

@@ -11,7 +11,7 @@ import os
 import select
 import sys
 from contextlib import ExitStack, closing
-from typing import Any, Protocol
+from typing import Any, Protocol, TextIO
 
 from space_robot_bringup.modes.context import domain_number, local_context
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -40,17 +40,20 @@ class Screen(Protocol):
 def main() -> int:
     """Show a run until the input ends."""
     os.nice(NICE)
+    # What a library prints is no news: the middleware has been seen to.
+    news = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
     brief = Brief.of_line(sys.stdin.readline())
     feed = Feed(brief)
     with ExitStack() as stack:
         try:
             screens = {name: stack.enter_context(closing(one)) for name, one in _screens(brief, feed).items()}
         except SpaceRobotError as error:
-            _say({"error": str(error)})
+            _say(news, {"error": str(error)})
             return 2
         context = stack.enter_context(local_context(domain_number(os.environ["ROS_DOMAIN_ID"])))
         listener = stack.enter_context(closing(Listener(context, feed.topics)))
-        _say({name: screen.address for name, screen in screens.items()})
+        _say(news, {name: screen.address for name, screen in screens.items()})
         while True:
             over = bool(select.select([sys.stdin], [], [], FRAME_SECONDS)[0])
             _show(listener, feed, list(screens.values()))
@@ -81,8 +84,8 @@ def _show(listener: Listener, feed: Feed, screens: list[Screen]) -> None:
         screen.draw(feed)
 
 
-def _say(news: dict[str, str]) -> None:
-    print(json.dumps(news), flush=True)
+def _say(stream: TextIO, news: dict[str, str]) -> None:
+    print(json.dumps(news), file=stream, flush=True)
 
 
 if __name__ == "__main__":
