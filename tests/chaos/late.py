@@ -3,8 +3,8 @@
 python -m tests.chaos.late --repeats 20 [--only late-1.5 late-5 late-20 pair listener restart] [--realtime 4]
 
 Paced runs in processes of their own, the late ones beside a busy core. A row is as it should be when the log lacks no
-state and no command that acted, and a replay is equal; a node that listens misses nothing between the first message that
-it hears and the last. Exit 1 where one is not.
+state and no command that acted, and a replay is equal; a node that listens misses nothing between the first message
+that it hears and the last. Exit 1 where one is not.
 """
 
 from __future__ import annotations
