@@ -21,7 +21,7 @@ from space_robot_report.live.feed import Feed
 from space_robot_report.nodes.listener import Listener
 
 FRAME_SECONDS = 1.0 / 30.0
-# The run goes first.
+# The lowest priority.
 NICE = 19
 
 
@@ -39,7 +39,6 @@ class Screen(Protocol):
 
 def main() -> int:
     """Show a run until the input ends."""
-    os.nice(NICE)
     # What a library prints is no news: the middleware has been seen to.
     news = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
@@ -53,6 +52,8 @@ def main() -> int:
             return 2
         context = stack.enter_context(local_context(domain_number(os.environ["ROS_DOMAIN_ID"])))
         listener = stack.enter_context(closing(Listener(context, feed.topics)))
+        # From here on the run goes first; it begins when this has been heard.
+        os.nice(NICE)
         _say(news, {name: screen.address for name, screen in screens.items()})
         while True:
             over = bool(select.select([sys.stdin], [], [], FRAME_SECONDS)[0])
