@@ -60,16 +60,6 @@ def test_a_full_joiner_still_completes():
     assert joiner.dropped == 0
 
 
-def test_drop_before_gives_up_older_stamps_only():
-    """Stamps before the given one are gone, it and later ones complete."""
-    joiner = StampJoiner(2, 9)
-    for stamp in (3, 1, 2):
-        joiner.add(0, stamp, stamp)
-    assert joiner.drop_before(2) == 1
-    assert joiner.add(1, 2, 2) == (2, 2)
-    assert joiner.add(1, 1, 1) is None
-
-
 def test_clear_lets_time_start_again():
     """After clear a stamp that was given out is given out again; without it, it is not."""
     joiner = StampJoiner(1, 5)

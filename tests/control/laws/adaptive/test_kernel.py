@@ -11,7 +11,7 @@ import pytest
 
 from space_robot_bringup.modes import compilation as compiling
 from space_robot_control.laws.adaptive.cycle import Cycle
-from space_robot_control.laws.adaptive.euler_coordinates import difference, euler_acceleration, euler_state
+from space_robot_control.laws.adaptive.euler_coordinates import euler_state
 from space_robot_control.laws.adaptive.kernel.consistency import assess
 from space_robot_control.laws.adaptive.kernel.control import control
 from space_robot_control.laws.adaptive.kernel.least_squares import covariance_times
@@ -26,6 +26,7 @@ from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy, rotate, rotate_inverse
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from tests.support.euler_coordinates import difference, euler_acceleration
 from tests.support.paths import ROOT
 from tests.support.robots import random_model, robot_of
 
