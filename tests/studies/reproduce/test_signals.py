@@ -9,12 +9,12 @@ import pytest
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.judge.measure import measure
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_studies.reproduce.attitude_path import axis_distances, path_ratios
 from space_robot_studies.reproduce.signals import PARAMETERS, Signals, signal_names, tool_errors
+from tests.support.whole_metrics import measure
 
 OVERRIDES = (
     "duration=5.0",
