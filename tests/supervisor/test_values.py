@@ -106,6 +106,8 @@ def test_telemetry_is_read_by_label_wherever_it_stands() -> None:
     """A block gives its largest magnitude or one of its numbers, and the same reader follows another layout."""
     first = Telemetry.of(0, {"a": [1.0, -5.0, 2.0], "b.0": [3.0], "c": [-7.0, 4.0]})
     other = Telemetry.of(0, {"c": [1.0], "b.0": [8.0, 9.0], "new": [2.0]})
+    empty = Telemetry.of(0, {"a": []})
+    assert (reader("telemetry.a")(still(empty)), reader("telemetry.a.0")(still(empty))) == (0.0, None)
     expected: dict[str, tuple[float | None, float | None]] = {
         "telemetry.a": (5.0, None),
         "telemetry.a.1": (-5.0, None),
@@ -138,7 +140,8 @@ def test_counts_are_those_of_the_plant() -> None:
     [
         ("base.rat", "base.rate"),
         ("command.mised", "command.missed"),
-        ("telemetry.d", "a"),
+        ("telemetry.d", "a, b.0, c"),
+        ("telemetry.b.1", "b.0"),
         ("telemetry.a.x", "a"),
         ("nonsense altogether", "telemetry.LABEL"),
     ],
@@ -153,7 +156,7 @@ def test_a_name_that_is_none_is_refused_with_those_there_are(name: str, accepted
 
 def test_a_law_without_telemetry_says_so() -> None:
     """Where there is no label to name."""
-    with pytest.raises(SpecError, match="a law with telemetry"):
+    with pytest.raises(SpecError, match=r"no such block of telemetry.*accepted: a law with telemetry$"):
         reader("telemetry.a", ())
 
 
