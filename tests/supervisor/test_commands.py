@@ -103,12 +103,15 @@ def test_what_changes_no_mode_keeps_no_monitor_from_looking() -> None:
     assert said(look(one, 0, rate=2.0)) == [("command", "refused"), ("fast", "fires"), ("mode", "NOMINAL -> SAFE")]
     for step in ({"at": 0.0, "do": "nominal"}, {"at": 0.0, "start": "recover"}):
         assert look(supervisor(schedule=[step], sequences={"recover": RECOVER}), 0, rate=2.0).mode == "SAFE"
-    one = supervisor()
+    everywhere = [{"name": "everywhere", "value": "base.rate", "above": 1.0}]
+    one = supervisor(monitors=everywhere)
     assert (one.order("hold").accepted, one.order("hold").accepted) == (True, False)
     events = [("command", "accepted"), ("mode", "NOMINAL -> HOLD"), ("command", "refused")]
     assert said(look(one, 0, rate=2.0)) == events
     schedule = [{"at": 0.0, "do": "hold"}, {"at": 0.0, "do": "hold"}]
-    assert said(look(supervisor(schedule=schedule), 0, rate=2.0)) == events
+    one = supervisor(monitors=everywhere, schedule=schedule)
+    assert said(look(one, 0, rate=2.0)) == events
+    assert said(look(one, 1, rate=2.0)) == [("everywhere", "fires")]
 
 
 def test_only_commands_of_the_ground_lead_to_modes() -> None:

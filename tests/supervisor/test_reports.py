@@ -53,7 +53,8 @@ def test_commands_of_the_ground_are_found_among_events() -> None:
     other = DiagnosticEvent(0, OK, "fast", "fires", "", (("command", "safe"), ("by", "ground")))
     events = [reports.command(0, "hold", yes, "ground"), other, reports.command(0, "safe", yes, "schedule")]
     events += [reports.command(1, "stop", no, "ground"), reports.mode(1, "A", "B", "ground", "info")]
-    assert reports.orders_in(events) == ["hold", "stop"]
+    events.append(DiagnosticEvent(1, OK, "command", "accepted", "", (("by", "ground"),)))
+    assert reports.orders_in(events) == ["hold", "stop", ""]
     assert reports.orders_in([]) == []
 
 

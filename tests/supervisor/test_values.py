@@ -155,7 +155,9 @@ def test_a_name_that_is_none_is_refused_with_those_there_are(name: str, accepted
 
 
 def test_a_law_without_telemetry_says_so() -> None:
-    """Where there is no label to name."""
+    """Where there is no label to name; of several the nearest one is named."""
+    with pytest.raises(SpecError, match=r"key: no such block of telemetry; got 'telemetry\.eror'; accepted: error$"):
+        reader("telemetry.eror", ("gain", "error"))
     with pytest.raises(SpecError, match=r"no such block of telemetry.*accepted: a law with telemetry$"):
         reader("telemetry.a", ())
 
