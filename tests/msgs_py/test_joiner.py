@@ -84,8 +84,9 @@ def test_a_joiner_of_one_part_gives_every_arrival():
 
 @pytest.mark.parametrize(("parts", "capacity"), [(0, 1), (1, 0), (-1, 5)])
 def test_a_joiner_without_parts_or_room_is_refused(parts, capacity):
-    """A joiner without parts or room is a SpecError."""
-    with pytest.raises(SpecError):
+    """A joiner without parts or room is a SpecError that says what it was to be."""
+    said = rf"parts, capacity: nothing to join; got \({parts}, {capacity}\); accepted: 1 or more"
+    with pytest.raises(SpecError, match=said):
         StampJoiner(parts, capacity)
 
 

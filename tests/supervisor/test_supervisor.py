@@ -116,6 +116,31 @@ def test_the_highest_severity_decides() -> None:
     assert found[0].mode == "SAFE"
 
 
+def test_a_row_that_finds_nothing_keeps_no_other_from_looking() -> None:
+    """Rows with nothing to see, with nothing new, or without a number stand before and behind the one that fires."""
+    rate = {"value": "base.rate", "above": 1.0}
+    rows = [
+        {"name": "unknown", "value": "command.saturation", "above": 0.5},
+        {"name": "calm", "value": "base.rate", "above": 99.0},
+        rate | {"name": "patient", "for": 9},
+        rate | {"name": "fast"},
+        {"name": "slow", "value": "base.rate", "above": 1.5},
+    ]
+    found = watched(supervisor(*rows, modes={"NOMINAL": {}}), [0.0, 1.2, 2.0, 1.2, 0.0])
+    expected = {"fast": [(1, "fires"), (4, "clears")], "slow": [(2, "fires"), (3, "clears")]}
+    for name in ("unknown", "calm", "patient", "fast", "slow"):
+        assert reported(found, name) == expected.get(name, []), name
+
+
+def test_what_clears_starts_nothing() -> None:
+    """A sequence is started by the row that fires, once for each time."""
+    row = {"name": "fast", "value": "base.rate", "above": 1.0, "start": "rest"}
+    one = supervisor(row, modes=MODES | {"HOLD": {}}, sequences={"rest": [{"after": 9.0, "do": "hold"}]})
+    found = watched(one, [2.0, 0.0, 0.0, 2.0])
+    assert reported(found, "fast") == [(0, "fires"), (1, "clears"), (3, "fires")]
+    assert reported(found, "sequence") == [(0, "starts"), (3, "starts")]
+
+
 def test_monitors_count_from_zero_in_another_mode() -> None:
     """A row is looked at in its modes only, and begins to count when one of them begins."""
     back = {
