@@ -116,6 +116,20 @@ def test_the_highest_severity_decides() -> None:
     assert found[0].mode == "SAFE"
 
 
+def test_of_equal_severities_the_first_row_decides() -> None:
+    """Rows on different values may fire at once; a later one of a higher severity decides all the same."""
+    modes = MODES | {"HOLD": {"reference": "freeze"}}
+    other = {"name": "other", "value": "rate.z", "above": 1.0, "to": "HOLD"}
+    for rows, mode in (
+        ((FAST, other), "SAFE"),
+        ((other, FAST), "HOLD"),
+        ((FAST, other | {"severity": "high"}), "HOLD"),
+    ):
+        found = watched(supervisor(*rows, modes=modes), [2.0])[0]
+        assert [event.name for event in found.events] == [*(row["name"] for row in rows), "mode"]
+        assert found.mode == mode
+
+
 def test_a_row_that_finds_nothing_keeps_no_other_from_looking() -> None:
     """Rows with nothing to see, with nothing new, or without a number stand before and behind the one that fires."""
     rate = {"value": "base.rate", "above": 1.0}
@@ -125,10 +139,12 @@ def test_a_row_that_finds_nothing_keeps_no_other_from_looking() -> None:
         rate | {"name": "patient", "for": 9},
         rate | {"name": "fast"},
         {"name": "slow", "value": "base.rate", "above": 1.5},
+        {"name": "still", "value": "base.rate", "below": 0.1},
     ]
     found = watched(supervisor(*rows, modes={"NOMINAL": {}}), [0.0, 1.2, 2.0, 1.2, 0.0])
     expected = {"fast": [(1, "fires"), (4, "clears")], "slow": [(2, "fires"), (3, "clears")]}
-    for name in ("unknown", "calm", "patient", "fast", "slow"):
+    expected["still"] = [(0, "fires"), (1, "clears"), (4, "fires")]
+    for name in ("unknown", "calm", "patient", "fast", "slow", "still"):
         assert reported(found, name) == expected.get(name, []), name
 
 
