@@ -14,9 +14,10 @@ from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.events import ERROR, OK, WARN
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Supervision, Telemetry
+from space_robot_supervisor.reader import Reader
 from space_robot_supervisor.supervisor import Supervisor
 from space_robot_supervisor.table import SupervisionTable
-from space_robot_supervisor.values import Snapshot, value_of, values_of
+from space_robot_supervisor.values import Snapshot, value_of
 
 MINI = load_robot("mini")
 MODES = {"NOMINAL": {}, "SAFE": {"law": "damped_hold", "reference": "here"}}
@@ -143,21 +144,26 @@ def test_a_reset_forgets() -> None:
 
 def test_values_are_those_of_the_flight_software() -> None:
     """Rates, errors, telemetry by label, saturation of the last command; what is not there yet is no number."""
-    now, limit = snapshot(3, 0.5), command_limit(MINI)
-    known = values_of(MINI, limit)
-    assert known["base.rate"](now) == 0.5
+    now, labels = snapshot(3, 0.5), ("gain", "SAFE.gain")
+
+    def read(name: str, at: Snapshot) -> float | None:
+        reader = Reader([value_of(name, MINI, labels, "k")], MINI, command_limit(MINI))
+        assert not reader.read(at)
+        return reader.found[0][1]
+
+    assert read("base.rate", now) == 0.5
     margin = np.minimum(MINI.home - MINI.joint_lower, MINI.joint_upper - MINI.home)
-    assert known["joints.margin"](now) == pytest.approx(margin.min())
-    assert known["error.position"](now) == pytest.approx(np.hypot(3, 3))
-    assert known["command.saturation"](now) is None
+    assert read("joints.margin", now) == pytest.approx(margin.min())
+    assert read("error.position", now) == pytest.approx(np.hypot(3, 3))
+    assert read("command.saturation", now) is None
+    assert read("telemetry.gain", now) is None
     effort = np.where(np.arange(4) == 1, MINI.effort_limit, 0.0)
     later = snapshot(4, command=Command(3, np.zeros(6), effort), telemetry=Telemetry.of(3, {"gain": [1.0, -2.0]}))
-    assert known["command.saturation"](later) == pytest.approx(1 / 7)
-    labels = ("gain", "SAFE.gain")
-    assert value_of("telemetry.gain", MINI, labels, limit, "k")(later) == 2.0
-    assert value_of("telemetry.gain.0", MINI, labels, limit, "k")(later) == 1.0
-    assert value_of("telemetry.gain.7", MINI, labels, limit, "k")(later) is None
-    assert value_of("telemetry.SAFE.gain", MINI, labels, limit, "k")(later) is None
+    assert read("command.saturation", later) == pytest.approx(1 / 7)
+    assert read("telemetry.gain", later) == 2.0
+    assert read("telemetry.gain.0", later) == 1.0
+    assert read("telemetry.gain.7", later) is None
+    assert read("telemetry.SAFE.gain", later) is None
 
 
 @pytest.mark.parametrize(
