@@ -31,8 +31,11 @@ class Reader:
     def __init__(
         self, values: Sequence[Value], robot: Robot, limit: Vector, guards: Sequence[tuple[int, MonitorSpec]] = ()
     ) -> None:
-        self._values, self._labels = tuple(values), ()
-        conditions = [(-inf if one.below is None else one.below, inf if one.above is None else one.above) for _, one in guards]
+        self._values = tuple(values)
+        self._labels: tuple[str, ...] = ()
+        conditions = [
+            (-inf if one.below is None else one.below, inf if one.above is None else one.above) for _, one in guards
+        ]
         numbers = Readings(
             np.array([value.row(None) for value in values], dtype=np.int64).reshape(-1, 3),
             np.vstack([robot.joint_lower, robot.joint_upper]).astype(np.float64).reshape(2, -1),

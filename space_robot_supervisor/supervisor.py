@@ -56,7 +56,7 @@ class Supervisor:
         self._watched = {mode: self._watch(mode, robot, limit) for mode in table.modes}
         summed = () if summary is None else summary.values
         self._summary = Reader([self._values[name] for name in summed], robot, limit)
-        self._plan = Plan(table)
+        self._plan, self._calm = Plan(table), True
         self.reset()
 
     @property

@@ -57,13 +57,13 @@ class Value(NamedTuple):
         kind: see ``kernel.readings``.
         place: of a single number in its source.
         label: of a block of telemetry.
-        index: of one number of the block; None: its largest magnitude.
+        number: place of one number in the block; None: its largest magnitude.
     """
 
     kind: int
     place: int = 0
     label: str = ""
-    index: int | None = None
+    number: int | None = None
 
     @property
     def of_wheels(self) -> bool:
@@ -83,9 +83,9 @@ class Value(NamedTuple):
             return self.kind, -1, -1
         block = telemetry.labels.index(self.label)
         begin, size = sum(telemetry.sizes[:block]), telemetry.sizes[block]
-        if self.index is None:
+        if self.number is None:
             return self.kind, begin, begin + size
-        return (self.kind, begin + self.index, begin + size) if self.index < size else (self.kind, -1, -1)
+        return (self.kind, begin + self.number, begin + size) if self.number < size else (self.kind, -1, -1)
 
 
 def value_of(name: str, robot: Robot, labels: Sequence[str], key: str, *, counted: bool = False) -> Value:

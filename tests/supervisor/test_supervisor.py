@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import atan2, sqrt
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 from space_robot_description.actuation import command_limit
 from space_robot_description.load import load_robot
+from space_robot_description.rotations import normalized, relative
 from space_robot_description.share import config_dir, shipped
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import SpecError
@@ -17,7 +19,7 @@ from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Super
 from space_robot_supervisor.reader import Reader
 from space_robot_supervisor.supervisor import Supervisor
 from space_robot_supervisor.table import SupervisionTable
-from space_robot_supervisor.values import Snapshot, value_of
+from space_robot_supervisor.values import Snapshot, value_of, values_of
 
 MINI = load_robot("mini")
 MODES = {"NOMINAL": {}, "SAFE": {"law": "damped_hold", "reference": "here"}}
@@ -164,6 +166,45 @@ def test_values_are_those_of_the_flight_software() -> None:
     assert read("telemetry.gain.0", later) == 1.0
     assert read("telemetry.gain.7", later) is None
     assert read("telemetry.SAFE.gain", later) is None
+
+
+def test_values_are_the_formulas_of_the_page_to_the_bit() -> None:
+    """Compiled or not: what is in the log of one machine is in that of another."""
+    rng, names = np.random.default_rng(1), [*values_of(MINI)]
+    reader = Reader([value_of(name, MINI, (), "k") for name in names], MINI, command_limit(MINI))
+    for tick in range(200):
+        q, q_d = (np.r_[rng.normal(size=3), normalized(rng.normal(size=4)), rng.normal(size=4)] for _ in range(2))
+        v = rng.normal(size=10)
+        state = RobotState(tick, q, v, np.zeros(4), np.zeros(3))
+        reader.read(Snapshot(state, Reference(tick, q_d, v, v), wheels=v[:3]))
+        found = dict(zip(names, (now for _, now in reader.found), strict=True))
+        x, y, z, w = relative(q[3:7], q_d[3:7])
+        assert found["error.attitude"] == 2.0 * atan2(sqrt(x * x + y * y + z * z), w)
+        assert found["joints.margin"] == min(*(q[7:] - MINI.joint_lower), *(MINI.joint_upper - q[7:]))
+        assert found["error.joints"] == max(abs(q_d[7:] - q[7:]))
+        assert found["joints.rate"] == max(abs(v[6:]))
+        assert found["rate.y"] == v[4]
+        assert found["attitude.w"] == q[6]
+
+
+def test_a_tick_that_needs_no_closer_look_is_one_at_which_none_would_find_anything() -> None:
+    """Looking closely at every tick finds the same events: of rows with persistence, hysteresis, inhibition, bands."""
+    rows = [
+        {"name": "fast", "value": "base.rate", "above": 1.0, "hysteresis": 0.3, "for": 2, "inhibit_after": 3},
+        {"name": "frozen", "value": "rate.z", "unchanged": True, "for": 2},
+        {"name": "outside", "value": "rate.z", "above": 0.8, "below": 0.2, "times": 9},
+        FAST | {"name": "faster", "above": 1.6, "for": 2},
+        {"name": "still", "value": "base.rate", "below": 0.4, "for": 2, "in": ["SAFE"], "to": "NOMINAL"},
+    ]
+    rates = np.round(np.random.default_rng(2).uniform(0.0, 2.0, 400), 1).tolist()
+    quick, close = supervisor(*rows), supervisor(*rows)
+    found = watched(quick, rates)
+    with pytest.MonkeyPatch.context() as patch:
+        read = Reader.read
+        patch.setattr(Reader, "read", lambda reader, now: read(reader, now) + 1)
+        expected = watched(close, rates)
+    assert len([event for one in found for event in one.events]) > 80
+    assert [(one.mode, one.events) for one in found] == [(one.mode, one.events) for one in expected]
 
 
 @pytest.mark.parametrize(
