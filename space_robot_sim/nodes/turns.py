@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from space_robot_msgs_py.codec.accepted import CONTROLLERS
 
-
 # A controller that takes over, and may be stopped itself, gets so many times as long before the turn goes back.
 PATIENCE = 4
 
@@ -13,8 +12,9 @@ class Turns:
     """Whose turn it is to answer.
 
     The first controller begins. After so many periods in a row without an answer it is the turn of the other one, which
-    has ``PATIENCE`` times as long for its first answer. A turn changes at the end of a period only, and every node is notified of it with
-    what became of the command of that period: so each knows, before it answers a state, whose turn that is.
+    has ``PATIENCE`` times as long for its first answer. A turn changes at the end of a period only, and every node is
+    notified of it with what became of the command of that period: so each knows, before it answers a state, whose turn
+    that is.
 
     Args:
         periods: of silence, after which the other one takes over.
