@@ -19,6 +19,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import dropwhile
 from pathlib import Path
 from statistics import median
 from time import monotonic, sleep
@@ -138,7 +139,8 @@ def _remains(place: Path, seconds: float, orphans: int, reached: int) -> Remains
 def _longest_silence(answered: Iterable[bool]) -> int:
     """Of states in a row without an answer, between two that have one."""
     longest, silent = 0, 0
-    for one in answered:
+    # Before the first answer the controllers are not there yet.
+    for one in dropwhile(lambda one: not one, answered):
         longest, silent = (max(longest, silent), 0) if one else (longest, silent + 1)
     return longest
 

@@ -1,4 +1,4 @@
-"""A slice of ``make chaos``: a process of a paced run is killed or stopped, and the response is the one that is stated."""
+"""A slice of ``make chaos``: a process of a paced run is killed or stopped, and the response is as stated."""
 
 from __future__ import annotations
 
