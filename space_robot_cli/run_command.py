@@ -59,6 +59,20 @@ def run(
     realtime: Annotated[
         float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
     ] = None,
+    failover: Annotated[
+        int,
+        typer.Option(
+            metavar="PERIODS",
+            help="with --mode processes --realtime: a second controller takes over when one was silent for so long",
+        ),
+    ] = 0,
+    chaos: Annotated[
+        int | None,
+        typer.Option(
+            metavar="SEED",
+            help="with --mode processes --realtime: kill, stop and restart processes, as drawn from this seed",
+        ),
+    ] = None,
     set_: SetOption = None,
     fault: FaultOption = None,
     duration: Annotated[float | None, typer.Option(help="run this long instead [s]")] = None,
@@ -87,12 +101,13 @@ def run(
     mode = mode or ("headless" if campaign_directory is None else "graph")
     if timeout is not None and not 0.0 < timeout < float("inf"):
         raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
-    from space_robot_bringup.modes.run import check_pace
+    from space_robot_bringup.modes.run import check_pace, check_processes
     from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render.suites import run_suite
     from space_robot_studies.campaign.rerun import differences
 
     check_pace(mode, realtime)
+    check_processes(mode, realtime, failover, chaos)
     check_junit(junit)
     if campaign_directory is not None and index is not None and not (experiment or set_ or fault or duration):
         spec, name, policy = _case(campaign_directory, index, law or (), allow_code=allow_code)
@@ -104,7 +119,8 @@ def run(
     else:
         raise SpecError("give either EXPERIMENT or --from DIR --index K, not both", key="run")
     place = _place(name, directory, overwrite=overwrite)
-    result = _run(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json)
+    processes = {"failover": failover, "chaos": chaos}
+    result = _run(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json, processes=processes)
     write_junit(junit, [run_suite(name, spec, mode, result)] if junit is not None else ())
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
@@ -179,6 +195,7 @@ def _run(
     timeout: float | None,
     debug: bool,
     quiet: bool,
+    processes: dict[str, Any],
 ) -> RunResult:
     from space_robot_bringup.modes.compilation import notice
     from space_robot_bringup.modes.hooks import Hooks
@@ -200,7 +217,7 @@ def _run(
         hooks = Hooks(on_tick, stop=lambda: stop.reason, warn=warn, on_end=lambda reason: stop.lift())
         if debug:
             hooks = replace(hooks, on_failure=_show_trace, debug=True)
-        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks, policy=policy)
+        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks, policy=policy, **processes)
 
 
 def _show_trace(error: BaseException) -> None:

@@ -21,7 +21,15 @@ from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.events import LAW_FAILED, DiagnosticEvent
-from space_robot_msgs_py.interfaces import Acknowledgement, ControlOutput, Reference, RobotState, Supervision
+from space_robot_msgs_py.interfaces import (
+    Acknowledgement,
+    Command,
+    ControlOutput,
+    Reference,
+    RobotState,
+    Supervision,
+    Vector,
+)
 from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED
 from space_robot_supervisor.rows import CONTROLLER, REFERENCES
 from space_robot_supervisor.supervisor import Supervisor
@@ -185,12 +193,16 @@ class RunSupervisor:
             if event.name in _COUNTED:
                 self._counts[_COUNTED[event.name]] += 1
         command, telemetry = (None, None) if answer is None else (answer.command, answer.telemetry)
-        if command is not None and self._counts_wheels and command.stamp > self._noted:
+        wheels = self._momentum(state, command) if self._counts_wheels else None
+        return self._supervisor.update(Snapshot(state, reference, command, telemetry, wheels, self._counts))
+
+    def _momentum(self, state: RobotState, command: Command | None) -> Vector:
+        """Of the wheels at this state, after the last command."""
+        if command is not None and command.stamp > self._noted:
             self._noted = command.stamp
             self._wheels.apply(self._line.acting(command, True)[0].u, self._seconds)
         self._wheels.measure(state.wheel_momentum)
-        known = Snapshot(state, reference, command, telemetry, self._wheels.momentum, self._counts)
-        return self._supervisor.update(known)
+        return self._wheels.numbers.momentum
 
 
 def run_supervisor(experiment: Experiment, robot: Robot, controller: Law, inbox: Inbox | None) -> RunSupervisor:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import atan2, sqrt
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,13 @@ import pytest
 
 from space_robot_description.actuation import command_limit
 from space_robot_description.load import load_robot
+from space_robot_description.rotations import normalized, relative
 from space_robot_description.share import config_dir, shipped
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.events import ERROR, OK, WARN
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Supervision, Telemetry
+from space_robot_supervisor.reader import Reader
 from space_robot_supervisor.supervisor import Supervisor
 from space_robot_supervisor.table import SupervisionTable
 from space_robot_supervisor.values import Snapshot, value_of, values_of
@@ -184,21 +187,65 @@ def test_a_reset_forgets() -> None:
 
 def test_values_are_those_of_the_flight_software() -> None:
     """Rates, errors, telemetry by label, saturation of the last command; what is not there yet is no number."""
-    now, limit = snapshot(3, 0.5), command_limit(MINI)
-    known = values_of(MINI, limit)
-    assert known["base.rate"](now) == 0.5
+    now, labels = snapshot(3, 0.5), ("gain", "SAFE.gain")
+
+    def read(name: str, at: Snapshot) -> float | None:
+        reader = Reader([value_of(name, MINI, labels, "k")], MINI, command_limit(MINI))
+        assert not reader.read(at)
+        return reader.found[0][1]
+
+    assert read("base.rate", now) == 0.5
     margin = np.minimum(MINI.home - MINI.joint_lower, MINI.joint_upper - MINI.home)
-    assert known["joints.margin"](now) == pytest.approx(margin.min())
-    assert known["error.position"](now) == pytest.approx(np.hypot(3, 3))
-    assert known["command.saturation"](now) is None
+    assert read("joints.margin", now) == pytest.approx(margin.min())
+    assert read("error.position", now) == pytest.approx(np.hypot(3, 3))
+    assert read("command.saturation", now) is None
+    assert read("telemetry.gain", now) is None
     effort = np.where(np.arange(4) == 1, MINI.effort_limit, 0.0)
     later = snapshot(4, command=Command(3, np.zeros(6), effort), telemetry=Telemetry.of(3, {"gain": [1.0, -2.0]}))
-    assert known["command.saturation"](later) == pytest.approx(1 / 7)
-    labels = ("gain", "SAFE.gain")
-    assert value_of("telemetry.gain", MINI, labels, limit, "k")(later) == 2.0
-    assert value_of("telemetry.gain.0", MINI, labels, limit, "k")(later) == 1.0
-    assert value_of("telemetry.gain.7", MINI, labels, limit, "k")(later) is None
-    assert value_of("telemetry.SAFE.gain", MINI, labels, limit, "k")(later) is None
+    assert read("command.saturation", later) == pytest.approx(1 / 7)
+    assert read("telemetry.gain", later) == 2.0
+    assert read("telemetry.gain.0", later) == 1.0
+    assert read("telemetry.gain.7", later) is None
+    assert read("telemetry.SAFE.gain", later) is None
+
+
+def test_values_are_the_formulas_of_the_page_to_the_bit() -> None:
+    """Compiled or not: what is in the log of one machine is in that of another."""
+    rng, names = np.random.default_rng(1), [*values_of(MINI)]
+    reader = Reader([value_of(name, MINI, (), "k") for name in names], MINI, command_limit(MINI))
+    for tick in range(200):
+        q, q_d = (np.r_[rng.normal(size=3), normalized(rng.normal(size=4)), rng.normal(size=4)] for _ in range(2))
+        v = rng.normal(size=10)
+        state = RobotState(tick, q, v, np.zeros(4), np.zeros(3))
+        reader.read(Snapshot(state, Reference(tick, q_d, v, v), wheels=v[:3]))
+        found = dict(zip(names, (now for _, now in reader.found), strict=True))
+        x, y, z, w = relative(q[3:7], q_d[3:7])
+        assert found["error.attitude"] == 2.0 * atan2(sqrt(x * x + y * y + z * z), w)
+        assert found["joints.margin"] == min(*(q[7:] - MINI.joint_lower), *(MINI.joint_upper - q[7:]))
+        assert found["error.joints"] == max(abs(q_d[7:] - q[7:]))
+        assert found["joints.rate"] == max(abs(v[6:]))
+        assert found["rate.y"] == v[4]
+        assert found["attitude.w"] == q[6]
+
+
+def test_a_tick_that_needs_no_closer_look_is_one_at_which_none_would_find_anything() -> None:
+    """Looking closely at every tick finds the same events: of rows with persistence, hysteresis, inhibition, bands."""
+    rows = [
+        {"name": "fast", "value": "base.rate", "above": 1.0, "hysteresis": 0.3, "for": 2, "inhibit_after": 3},
+        {"name": "frozen", "value": "rate.z", "unchanged": True, "for": 2},
+        {"name": "outside", "value": "rate.z", "above": 0.8, "below": 0.2, "times": 9},
+        FAST | {"name": "faster", "above": 1.6, "for": 2},
+        {"name": "still", "value": "base.rate", "below": 0.4, "for": 2, "in": ["SAFE"], "to": "NOMINAL"},
+    ]
+    rates = np.round(np.random.default_rng(2).uniform(0.0, 2.0, 400), 1).tolist()
+    quick, close = supervisor(*rows), supervisor(*rows)
+    found = watched(quick, rates)
+    with pytest.MonkeyPatch.context() as patch:
+        read = Reader.read
+        patch.setattr(Reader, "read", lambda reader, now: read(reader, now) + 1)
+        expected = watched(close, rates)
+    assert len([event for one in found for event in one.events]) > 80
+    assert [(one.mode, one.events) for one in found] == [(one.mode, one.events) for one in expected]
 
 
 @pytest.mark.parametrize(
