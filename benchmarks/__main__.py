@@ -1,11 +1,11 @@
-"""``python -m benchmarks [plant adaptive loop supervision graph log campaign report memory]`` prints the tables."""
+"""``python -m benchmarks [plant adaptive loop supervision graph live log ...]`` prints the tables."""
 
 from __future__ import annotations
 
 import sys
 from importlib import import_module
 
-NAMES = ("plant", "adaptive", "loop", "supervision", "graph", "log", "campaign", "report", "memory")
+NAMES = ("plant", "adaptive", "loop", "supervision", "graph", "live", "log", "campaign", "report", "memory")
 
 
 def main() -> int:

@@ -45,6 +45,10 @@ class StampJoiner(Generic[T]):
         """Number of incomplete stamps."""
         return len(self._open)
 
+    def __contains__(self, stamp: int) -> bool:
+        """Whether parts of this stamp [ns] wait for others."""
+        return stamp in self._open
+
     def add(self, part_index: int, stamp: int, item: T) -> tuple[T, ...] | None:
         """Take one part; return all parts of its stamp if this was the last one missing.
 
