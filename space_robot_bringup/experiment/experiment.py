@@ -70,10 +70,14 @@ class NominalSpec(ModelSpec):
         default=0, description="a command acts in the period of its state, or the next, as far as the laws know"
     )
 
+    friction: bool = Field(
+        default=False, description="laws add the friction of actuators.joints at the desired rates to their efforts"
+    )
+
     @model_serializer(mode="wrap")
     def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        # The log of a run whose laws assume no delay is, to the byte, what it was before they could.
-        return {key: value for key, value in handler(self).items() if key != "delay_periods" or value}
+        # The log of a run whose laws assume neither is, to the byte, what it was before they could.
+        return {key: value for key, value in handler(self).items() if key not in ("delay_periods", "friction") or value}
 
     @model_validator(mode="after")
     def _one_payload(self) -> Self:
