@@ -165,12 +165,16 @@ class ExperimentFile:
 
     def experiment(self, overrides: Overrides = ()) -> Experiment:
         """The second half of ``load_experiment``."""
+        return experiment_from(self.data(overrides), self.where)
+
+    def data(self, overrides: Overrides = ()) -> dict[str, Any]:
+        """The content with overrides, and what stands beside the file found; not checked."""
         given = assignments(overrides)
         # A table may be a name until here, and a key inside of it is one of its content.
         inside = [one for one in given if one.key.startswith("supervision.")]
         data = with_overrides(self.content, [one for one in given if one not in inside])
         data = located(data, self.folder) if inside else data
-        return experiment_from(located(with_overrides(data, inside), self.folder), self.where)
+        return located(with_overrides(data, inside), self.folder)
 
 
 def read_experiment(name_or_path: StrPath) -> ExperimentFile:
