@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import compose
-from space_robot_bringup.compose.diagnosis import diagnose
+from space_robot_bringup.compose.diagnosis import all_of, diagnosed
 from space_robot_bringup.compose.foresight import foreseen
 from space_robot_bringup.compose.memory import what_is_not_forgotten
-from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment, with_faults
+from space_robot_bringup.experiment.experiment import Experiment, file_schema, read_experiment
 from space_robot_bringup.modes.compilation import notice
 from space_robot_description.share import is_file, shipped
 from space_robot_description.spec import Strict
 from space_robot_description.validation import parse_yaml
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_sim.faults.catalogue import parse_fault
 from space_robot_studies.campaign.cases import check_cases
 from space_robot_studies.campaign.spec import Campaign, load_campaign
 from space_robot_studies.reproduce.check import check_plan
@@ -89,14 +90,34 @@ def check_file(
         if given and kind != "experiment":
             raise SpecError("is for experiments", key=option, value=list(given), accepted=f"keys in the {kind}'s file")
     if kind == "experiment":
-        return _experiment(with_faults(load_experiment(name_or_path, overrides), faults), on_notice)
+        return _experiment(_diagnosed(name_or_path, overrides, faults), on_notice)
     return _campaign(load_campaign(name_or_path)) if kind == "campaign" else _paper(load_plan(name_or_path))
+
+
+def _diagnosed(name_or_path: str, overrides: Sequence[str], typed: Sequence[str]) -> Experiment:
+    """The experiment, if nothing is wrong with it."""
+    file = read_experiment(name_or_path)
+    data, errors, faults = file.data(overrides), list[SpaceRobotError](), list[Any]()
+    for text in typed:
+        try:
+            faults.append(parse_fault(text))
+        except SpaceRobotError as error:
+            errors.append(error)
+    given = data.get("faults", [])
+    if faults and isinstance(given, list):
+        data["faults"] = [*given, *faults]
+    try:
+        experiment = diagnosed(data, file.where)
+    except SpaceRobotError as first:
+        errors.insert(0, first)
+    if errors:
+        raise all_of(errors)
+    return experiment
 
 
 def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     if line := notice(spec.controller.law_names, plant=False):
         on_notice(line)
-    diagnose(spec)
     composition = compose(spec)
     nominal, review = composition.nominal, composition.review()
     summary = (

@@ -54,7 +54,8 @@ def run(
         ),
     ] = None,
     directory: Annotated[
-        Path | None, typer.Option("--out", help="run directory; default runs/<name>, numbered where a run is in it")
+        Path | None,
+        typer.Option("--out", "-o", help="run directory; default runs/<name>, numbered where a run is in it"),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a run that is in the run directory")] = False,
     realtime: Annotated[

@@ -29,6 +29,7 @@ class Robot:
         home: (n,) joint positions to start from when nothing else is said [rad or m].
         command_delay: control periods between the state a command answers and the period it acts in, for the laws;
             the plant has its own.
+        knows_friction: laws add the friction of ``actuators.joints`` to their efforts.
         tool_frame: the link at the end of the arm, in ``model.frames``.
         resolved: the robot file with the URDF inside; ``load_robot`` makes the same robot from it, bit for bit.
         notes: what the robot file changed in the URDF's inertias, a sentence each.
@@ -48,6 +49,7 @@ class Robot:
     home: Vector
     tool_frame: str = ""
     command_delay: int = 0
+    knows_friction: bool = False
     resolved: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 

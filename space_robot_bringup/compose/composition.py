@@ -244,7 +244,8 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
         check_supervision(experiment)
     robot = load(experiment.robot)
     nominal = _variant(robot, _nominal_spec(experiment), seeds[0])
-    nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
+    known = experiment.nominal
+    nominal = replace(nominal, command_delay=known.delay_periods, knows_friction=known.friction)
     truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
     check_brakes(experiment, truth)

@@ -56,7 +56,7 @@ def compiled_run(composition: Composition, ticks: int | None = None) -> FusedRun
 def _parts(composition: Composition) -> Parts | None:
     """Plant and law, where both can be compiled."""
     law = composition.controller()
-    if law.inbox is not None or not _is_its_own(type(law)):
+    if law.inbox is not None or law.friction.known or not _is_its_own(type(law)):
         return None
     law.reset()
     compiled = law.compiled()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.laws.base import Law
+from space_robot_control.nominal_friction import NominalFriction
 from space_robot_control.nominal_model import NominalModel
 from space_robot_description.fields import DYNAMIC
 from space_robot_description.robot import Robot
@@ -31,4 +32,6 @@ class RatesToZero(Law):
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
         self._model = NominalModel(robot)
+        # The rates it desires are not the reference's.
+        self.friction = NominalFriction(robot, known=False)
         self._first = 3 if robot.base_mode == "free_floating" else 0
