@@ -12,10 +12,11 @@ import pinocchio as pin
 
 from space_robot_description.changed_inertia import change_inertias
 from space_robot_description.inertia import check_inertia
+from space_robot_description.mimic import mimic_of
 from space_robot_description.robot_spec import BaseSpec, JointLimits, RobotSpec, tensor
 from space_robot_description.spec import check_joint_names
 from space_robot_description.urdf import MOVING, Tree, kind_of, parse_urdf
-from space_robot_description.urdf_values import axis_of, number, numbers
+from space_robot_description.urdf_values import axis_of, numbers
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 
 BASE_LINK = "base_link"
@@ -129,12 +130,12 @@ def _lock(tree: Tree, locked: Mapping[str, float]) -> None:
     check_joint_names(list(locked), moving, "locked_joints")
     positions = dict(locked)
     # A follower may follow a follower, in any order in the file.
-    followers = {name: mimic for name, joint in tree.joints.items() if (mimic := joint.find("mimic")) is not None}
-    while found := [n for n, mimic in followers.items() if n not in positions and mimic.get("joint") in positions]:
+    followers = {name: mimic for name, joint in tree.joints.items() if (mimic := mimic_of(name, joint)) is not None}
+    positions = {name: mimic.offset for name, mimic in followers.items() if mimic.multiplier == 0.0} | positions
+    while found := [n for n, mimic in followers.items() if n not in positions and mimic.joint in positions]:
         for name in found:
-            factor, offset = (number(followers[name], field, f"joint {name}") for field in ("multiplier", "offset"))
-            master = positions[followers[name].get("joint", "")]
-            positions[name] = (1.0 if factor is None else factor) * master + (offset or 0.0)
+            mimic = followers[name]
+            positions[name] = mimic.multiplier * positions[mimic.joint] + mimic.offset
     for name, position in positions.items():
         _fix(name, tree.joints[name], position)
 

@@ -13,7 +13,8 @@ from space_robot_description.actuation import check_actuators
 from space_robot_description.compose import compose_urdf
 from space_robot_description.joint_row import JointRow
 from space_robot_description.mass_matrix import check_invertible
-from space_robot_description.model import build_model, end_of_arm
+from space_robot_description.mimic import read_mimics
+from space_robot_description.model import build_model, end_of_arm, moving_links
 from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import RobotSpec
 from space_robot_description.share import config_dir, is_file, resource, shipped
@@ -83,16 +84,16 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
     tree = parse_urdf(urdf, f"{spec.name} urdf")
     model, rows = build_model(tree)
     names = tuple(rows)
-    bodies = (tree.root_link, *(child_of(tree.joints[name]) for name in names))
     actuators = check_actuators(spec, names, [row.effort for row in rows.values()])
     home = _home(spec, rows)
-    check_invertible(model, np.concatenate([pin.neutral(model)[:7], home]), bodies)
+    moved = (tree.root_link, *(child_of(tree.joints[name]) for name in names))
+    check_invertible(model, np.concatenate([pin.neutral(model)[:7], home]), moved)
     return Robot(
         name=spec.name,
         urdf=urdf,
         model=model,
         joint_names=names,
-        body_names=bodies,
+        body_names=moving_links(tree, model),
         base_mode=spec.base_mode,
         actuators=actuators,
         effort_limit=expand(actuators.joints.effort, names, "actuators.joints.effort"),
@@ -103,6 +104,7 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
         tool_frame=_tool(spec, tree),
         resolved=_resolved(spec, urdf, actuators),
         notes=notes,
+        mimics=read_mimics(tree),
     )
 
 

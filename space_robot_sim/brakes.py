@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from space_robot_description.kernel.arrays import LOCKED, RobotArrays
+from space_robot_description.kernel.arrays import RobotArrays, locked_joints, with_locked_joints
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.period import PlantMemory
@@ -62,7 +62,7 @@ class JointBrakes:
         """
         n = torque.size
         q, v = plant.y[: 7 + n], plant.y[7 + n : 13 + 2 * n].copy()
-        mass, locked = mass_matrix(model, q), robot.tree[1:, LOCKED] > 0
+        mass, locked = mass_matrix(model, q), locked_joints(robot)
         held = locked | (torque > 0.0)
         while True:
             slipping = ~held & (torque > 0.0)
@@ -83,9 +83,7 @@ class JointBrakes:
         """The robot with its brakes; the same one as before where nothing changed."""
         key = held.tobytes() + motors.tobytes()
         if self._last is None or self._last[0] is not robot or self._last[1] != key:
-            tree = robot.tree.copy()
-            tree[1:, LOCKED] = held
-            self._last = robot, key, robot._replace(tree=tree, motors=motors)
+            self._last = robot, key, with_locked_joints(robot, held)._replace(motors=motors)
         return self._last[2]
 
 

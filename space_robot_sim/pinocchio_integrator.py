@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from space_robot_description.kernel.arrays import LOCKED, RobotArrays
+from space_robot_description.kernel.arrays import RobotArrays, locked_joints
+from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.rhs import (
@@ -48,8 +49,9 @@ class PinocchioIntegrator:
     """
 
     def __init__(self, model: Any, robot: RobotArrays) -> None:
-        held = robot.tree[1:, LOCKED] > 0
-        if held.any():
+        self._coupled, self._held = bool(robot.coupling.size), locked_joints(robot)
+        held = self._held
+        if held.any() and not self._coupled:
             # A rotor that nothing can turn: a joint that stands still, exactly.
             model = model.copy()
             model.armature[6:] = np.where(held, np.inf, 0.0)
@@ -94,7 +96,7 @@ class PinocchioIntegrator:
         self._tau[3:6] = [torque[i] - rate[i] - gyroscopic[i] for i in range(3)]
         self._q[7:] = y[7 : 7 + n]
         dy = np.empty_like(y)
-        dy[7 + n : 13 + 2 * n] = pin.aba(self._model, self._data, self._q, y[7 + n : 13 + 2 * n], self._tau)
+        dy[7 + n : 13 + 2 * n] = self._acceleration(y[7 + n : 13 + 2 * n])
         dy[:3] = rotate_by_matrix(pose[3:], v)
         dy[3:7] = quaternion_rate(pose[3:], omega)
         dy[7 : 7 + n] = rates
@@ -104,6 +106,18 @@ class PinocchioIntegrator:
         dy[14 + 2 * n : 17 + 2 * n] = inertial
         dy[17 + 2 * n :] = [arm[i] + moment[i] for i in range(3)]
         return dy
+
+    def _acceleration(self, v: Vector) -> Vector:
+        """Under the forces of now; joints that follow others have no place in ``pin.aba``."""
+        model, data = self._model, self._data
+        if not self._coupled:
+            found: Vector = pin.aba(model, data, self._q, v, self._tau)
+            return found
+        right = self._tau - pin.nonLinearEffects(model, data, self._q, v)
+        free = np.r_[np.ones(6, dtype=bool), ~self._held]
+        out, mass = np.zeros(v.size), mass_matrix(model, self._q)
+        out[free] = np.linalg.solve(mass[np.ix_(free, free)], right[free])
+        return out
 
     def _effort(self, drive: Drive, t: float, rates: Vector) -> Vector:
         """Motor effort less friction."""

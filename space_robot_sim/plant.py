@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_description.actuation import brake_torque, command_limit
-from space_robot_description.kernel.arrays import LOCKED, RobotArrays, robot_arrays
+from space_robot_description.kernel.arrays import RobotArrays, locked_joints, robot_arrays
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
@@ -121,7 +121,7 @@ class SimulatedRobot:
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors, robot.n, control_period, seed)
         self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4", braked=braked)
-        self._memory = plant_memory(robot.n, self._wheels.size)
+        self._memory = plant_memory(robot.n, self._wheels.size, len(robot.mimics))
         self._context: Context | None = None
         if self._compiled:
             address = self.context().address
@@ -233,8 +233,8 @@ class SimulatedRobot:
         """What the faults of this tick leave of a command; they also change actuators, motors and brakes."""
         acts = self._actuation.at(self._stamp // self._period, command, self._memory.wheels, self._healthy)
         self._able, arrays = acts.able, acts.arrays
-        held = arrays.tree[1:, LOCKED]
-        if arrays is not self._arrays and np.any(held > self._arrays.tree[1:, LOCKED]):
+        held = locked_joints(arrays)
+        if arrays is not self._arrays and np.any(held > locked_joints(self._arrays)):
             self._stop_joints(held)
         if self._brakes is not None:
             arrays = self._brake(self._brakes, arrays, acts.command, acts.brakes)
@@ -256,7 +256,7 @@ class SimulatedRobot:
         self._braking = np.where(fitted, np.where(found.held, 1.0, -1.0), 0.0).tolist()
         return found.arrays
 
-    def _stop_joints(self, held: npt.NDArray[np.int64]) -> None:
+    def _stop_joints(self, held: npt.NDArray[np.bool_]) -> None:
         """Brakes take the speed out of joints; their work counts as that of everything applied."""
         y, n = self._memory.y, self._n
         y[7 + n : 13 + 2 * n], work = stop(self._model, y[: 7 + n], y[7 + n : 13 + 2 * n].copy(), held)

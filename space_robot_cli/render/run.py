@@ -135,6 +135,8 @@ def robot(console: Console, report: RobotReport) -> None:
         values = (row.lower, row.upper, row.home, row.effort, row.lag, row.viscous, row.coulomb)
         joints.add_row(markup(row.name), *(f"{value:.4g}" for value in values))
     console.print(joints)
+    for name, of in report.followers.items():
+        console.print(f"{name} follows {of['joint']}: {of['multiplier']:g} q + {of['offset']:g}", markup=False)
     for note in report.notes:
         console.print(note, markup=False, soft_wrap=True)
 

@@ -132,10 +132,13 @@ def grasp_joints(robot: Robot, spec: GraspSpec) -> tuple[int, int, int]:
     """Indices of the grasp's joints in the robot.
 
     Raises:
-        SpecError: the robot has no such joint, it is of the wrong kind, or the base cannot be pushed.
+        SpecError: no such joint, or of the wrong kind, or one follows another, or the base cannot be pushed.
     """
     if robot.base_mode != "free_flying":
         raise SpecError("cannot be pushed", key="robot.base_mode", value=robot.base_mode, accepted="free_flying")
+    if robot.mimics:
+        follower = next(iter(robot.mimics))
+        raise SpecError("mimics another joint", key=f"joint {follower}", accepted="plant.kind: articulated")
     for name, length in zip(spec.joints, (True, True, False), strict=True):
         if name not in robot.joint_names:
             accepted = ", ".join(robot.joint_names)

@@ -56,12 +56,12 @@ class PlantMemory(NamedTuple):
     allocation: Allocation
 
 
-def plant_memory(joints: int, wheels: int) -> PlantMemory:
-    """Memory for a robot with that many joints and wheels."""
+def plant_memory(joints: int, wheels: int, followers: int = 0) -> PlantMemory:
+    """Memory for a robot with that many joints and wheels, and joints that follow others."""
     y = np.zeros(13 + 2 * joints + QUADRATURES)
     balance = np.zeros(BALANCE_SIZE), np.zeros(BALANCE_SIZE), np.zeros(3), np.zeros(GAUGES)
-    motors, effort = np.zeros(joints), np.zeros(joints)
-    return PlantMemory(y, np.zeros(wheels), motors, effort, *balance, scratch(joints), allocation(joints, wheels))
+    motors, effort, memory = np.zeros(joints), np.zeros(joints), scratch(joints, followers)
+    return PlantMemory(y, np.zeros(wheels), motors, effort, *balance, memory, allocation(joints, wheels))
 
 
 class PlantContext(NamedTuple):
