@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.controller import ControllerSpec
 from space_robot_bringup.experiment.experiment import Experiment, Initial, NominalSpec
 from space_robot_bringup.experiment.plant import PlantSpec
@@ -34,14 +34,17 @@ NEEDS = {
 }
 
 
-def diagnose(experiment: Experiment) -> None:
+def diagnose(experiment: Experiment) -> Composition:
     """Compose an experiment, and if it cannot be, look at its sections one by one.
+
+    Returns:
+        The composition.
 
     Raises:
         SpaceRobotError: what was met first; its ``problems`` are all that was found.
     """
     try:
-        compose(experiment)
+        return compose(experiment)
     except SpaceRobotError as first:
         found = {str(one): one for error in _problems(experiment) for one in error.problems or (error,)}
         raise with_others([*found.values()] or [first]) from None

@@ -13,13 +13,18 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from space_robot_description.kernel.choice import interpreted
 from space_robot_description.kernel.turns import Turns
 
 try:
+    if interpreted():
+        raise ImportError("this process compiles nothing")
     import numba
 except ImportError:
     numba = None
 
+# Other processes of this installation compile.
+INSTALLED = importlib.util.find_spec("numba") is not None
 COMPILED = numba is not None
 # With NUMBA_DISABLE_JIT=1 numba is there and compiles nothing.
 MACHINE_CODE = numba is not None and not numba.config.DISABLE_JIT
