@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from space_robot_description.kernel.choice import interpreted
+from space_robot_description.kernel.light_numba import without_scipy
 from space_robot_description.kernel.turns import Turns
 
 try:
@@ -30,6 +31,7 @@ COMPILED = numba is not None
 MACHINE_CODE = numba is not None and not numba.config.DISABLE_JIT
 
 if numba is not None:
+    without_scipy()
     # It also reads .numba_config.yaml in the working directory, where a file that came with a log may lie: the folder
     # of the cache must not come from there, for a cache is code.
     numba.config.CACHE_DIR = os.environ.get("NUMBA_CACHE_DIR", "")
