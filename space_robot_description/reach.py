@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import dist
 
 import numpy as np
 import pinocchio as pin
@@ -88,15 +89,15 @@ class _Distances:
     """Distance of the tool from the origin of the first joint, as a function of the joint positions."""
 
     def __init__(self, robot: Robot, first: int) -> None:
-        self._model, self._data, self._first = robot.model, robot.model.createData(), first
+        self._model, self._data = robot.model, robot.model.createData()
         self._joint, self._offset = _tool(robot)
         self._q = pin.neutral(robot.model)
+        pin.forwardKinematics(self._model, self._data, self._q)
+        # A first joint that slides takes its frame along; its placement on the base stands still.
+        base = self._data.oMi[self._model.parents[first]]
+        self._root = base.act(self._model.jointPlacements[first].translation)
 
     def __call__(self, joints: Vector) -> float:
         self._q[7:] = joints
         pin.forwardKinematics(self._model, self._data, self._q)
-        tool = self._data.oMi[self._joint].act(self._offset)
-        # A first joint that slides takes its frame along; its placement on the parent stands still.
-        parent = self._data.oMi[self._model.parents[self._first]]
-        root = parent.act(self._model.jointPlacements[self._first].translation)
-        return float(np.linalg.norm(tool - root))
+        return dist(self._data.oMi[self._joint].act(self._offset), self._root)

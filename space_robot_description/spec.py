@@ -83,7 +83,7 @@ class Strict(BaseModel, metaclass=_ByHand):
     Values are immutable to the last dict and list inside: what was checked is what is run.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
     # Names of the fields that may hold a dict or a list; the long ones, tables of numbers, are tuples of tuples.
     _holders: ClassVar[tuple[str, ...]] = ()
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import platform
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib import metadata
 from math import radians
 from typing import TYPE_CHECKING
 
@@ -277,6 +276,9 @@ def check_expect(expect: Mapping[str, AnyExpectation], composition: Composition)
 
 def versions() -> dict[str, str]:
     """Versions of everything that can change the bits of a run."""
+    # Here, because it loads a reader of e-mail, and only a log has versions.
+    from importlib import metadata
+
     found: dict[str, str] = {"python": platform.python_version()}
     for name in VERSIONED:
         try:

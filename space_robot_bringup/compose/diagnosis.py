@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.compose.controllers import gains_problems
 from space_robot_bringup.experiment.controller import ControllerSpec, check_controller
 from space_robot_bringup.experiment.experiment import Experiment, Initial, NominalSpec, experiment_from
@@ -44,12 +44,15 @@ NEEDS = {
 }
 
 
-def diagnosed(data: Mapping[str, Any], where: str) -> Experiment:
+def diagnosed(data: Mapping[str, Any], where: str) -> Composition:
     """Check a mapping as an experiment and compose it; what is wrong in one section hides nothing in another.
 
     Args:
         data: see ``experiment_from``.
         where: names it in errors.
+
+    Returns:
+        The composition.
 
     Raises:
         SpaceRobotError: what was met first; its ``problems`` are all that was found.
@@ -58,18 +61,20 @@ def diagnosed(data: Mapping[str, Any], where: str) -> Experiment:
         experiment = experiment_from(data, where)
     except SpaceRobotError as first:
         raise all_of([first, *_in_the_rest(data)]) from None
-    diagnose(experiment)
-    return experiment
+    return diagnose(experiment)
 
 
-def diagnose(experiment: Experiment) -> None:
+def diagnose(experiment: Experiment) -> Composition:
     """Compose an experiment, and if it cannot be, look at its sections one by one.
+
+    Returns:
+        The composition.
 
     Raises:
         SpaceRobotError: what was met first; its ``problems`` are all that was found.
     """
     try:
-        compose(experiment)
+        return compose(experiment)
     except SpaceRobotError as first:
         raise all_of([*_problems(experiment, set())] or [first]) from None
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import isabstract
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.policy import TYPED, LawPolicy
@@ -19,6 +18,9 @@ from space_robot_description.spec import Strict
 from space_robot_description.validation import nearest, validate
 from space_robot_msgs_py.bounded_files import is_file, short
 from space_robot_msgs_py.errors import SpecError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "space_robot.laws"
 PATHS = "module:Class or path/to/file.py:Class"
@@ -106,6 +108,9 @@ def gains_of(cls: type[Law], gains: Mapping[str, Any] | None, key: str) -> Law.G
 
 
 def _installed() -> dict[str, EntryPoint]:
+    # Here, because it loads a reader of e-mail, and the built-in laws need none.
+    from importlib.metadata import entry_points
+
     return {point.name: point for point in entry_points(group=GROUP) if point.name not in BUILT_IN}
 
 

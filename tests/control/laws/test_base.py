@@ -180,7 +180,7 @@ def test_laws_of_installed_distributions_are_found_and_cannot_hide_built_in_ones
 ) -> None:
     """An entry point in the group space_robot.laws is a law by its name; a built-in name stays the built-in law."""
     points = [EntryPoint(name, f"{__name__}:Canned", registry.GROUP) for name in ("theirs", "none")]
-    monkeypatch.setattr(registry, "entry_points", lambda group: points if group == registry.GROUP else [])
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: points if group == registry.GROUP else [])
     assert law_class("theirs") is Canned
     assert law_class("none") is ZeroCommand
     assert law_names() == (*registry.BUILT_IN, "theirs")
