@@ -18,6 +18,7 @@ from space_robot_control.laws.compiled import CompiledLaw
 from space_robot_control.references.rows import rows_of
 from space_robot_description.kernel import jit
 from space_robot_description.kernel.jit import bound
+from space_robot_msgs_py.errors import ControlError
 from space_robot_sim.kernel.period import advance
 from space_robot_sim.plant import PlantNumbers, SimulatedRobot
 
@@ -63,7 +64,11 @@ def _parts(composition: Composition) -> Parts | None:
     plant = composition.plant() if compiled is not None else None
     if compiled is None or not isinstance(plant, SimulatedRobot):
         return None
-    compiled.start(plant.reset().state)
+    try:
+        compiled.start(plant.reset().state)
+    except ControlError:
+        # What keeps a law from its first answer ends the run at its first tick, in the words of the loop.
+        return None
     body = plant.numbers()
     return None if body is None else Parts(plant, body, law, compiled)
 
