@@ -17,6 +17,7 @@ from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Super
 from space_robot_supervisor.supervisor import Supervisor
 from space_robot_supervisor.table import SupervisionTable
 from space_robot_supervisor.values import Snapshot, value_of, values_of
+from tests.support.values import bits
 
 MINI = load_robot("mini")
 MODES = {"NOMINAL": {}, "SAFE": {"law": "damped_hold", "reference": "here"}}
@@ -114,6 +115,20 @@ def test_the_highest_severity_decides() -> None:
     found = watched(supervisor(low, FAST | {"severity": "high"}, modes=modes), [2.0])
     assert [event.name for event in found[0].events] == ["low", "fast", "mode"]
     assert found[0].mode == "SAFE"
+
+
+def test_a_decision_has_everything_that_holds_from_its_stamp_on() -> None:
+    """Law, reference and brakes of the mode, since when it holds, and which answer of the controller was known."""
+    safe = {"law": "damped_hold", "reference": "here", "brakes": True}
+    one = supervisor(FAST, modes={"NOMINAL": {"reference": "freeze"}, "SAFE": safe})
+    first = one.update(snapshot(0))
+    assert bits(first) == bits(Supervision(0, "NOMINAL", "controller", "freeze", 0, -1, (), None, False))
+    command = Command(3, np.zeros(6), np.zeros(4))
+    found = one.update(snapshot(5, 2.0, command=command))
+    assert bits(found) == bits(Supervision(5, "SAFE", "damped_hold", "here", 5, 3, found.events, None, True))
+    assert len(found.events) == 2
+    later = one.update(snapshot(6, 2.0, command=command))
+    assert bits(later) == bits(Supervision(6, "SAFE", "damped_hold", "here", 5, 3, (), None, True))
 
 
 def test_of_equal_severities_the_first_row_decides() -> None:
