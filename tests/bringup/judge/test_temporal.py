@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 
 from space_robot_bringup.experiment.expectations import Occurrence, OverTime, Temporal
-from space_robot_bringup.judge.temporal import Clock, Finding, Now, Within, watch_of
+from space_robot_bringup.judge.temporal import Clock, Finding, Now, Within, pattern, watch_of
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
 PERIOD = NANOSECONDS // 4
@@ -130,6 +131,14 @@ CASES: dict[str, tuple[Temporal, list[bool], dict[int, str], int, bool | None, s
     "at least once, seen too short but it is": (Occurrence(at_least=1), at(4, of=9), {}, 20, True, "once"),
     "at least once, and it is not": (Occurrence(at_least=1), at(of=9), {}, 8, False, "0 times"),
     "at the end": (Occurrence(at_end=True), at(8, of=9), {}, 8, True, "since 2 s"),
+    "at the end, and it is not any more": (
+        Occurrence(at_end=True),
+        at(3, of=9),
+        {},
+        8,
+        False,
+        "0 rad/s at 2 s (tick 8)",
+    ),
     "at the end of a run that ended early": (Occurrence(at_end=True), at(8, of=9), {}, 9, None, "before its end"),
     "at the end for a while": (
         Occurrence.model_validate({"at_end": True, "for": 0.5}),
@@ -140,6 +149,74 @@ CASES: dict[str, tuple[Temporal, list[bool], dict[int, str], int, bool | None, s
         "since 1.75 s",
     ),
 }
+
+
+@pytest.mark.parametrize("ticks", [0, 1])
+def test_a_run_of_which_nothing_was_seen_tells_nothing(ticks: int) -> None:
+    """Whatever is expected: no tick, or the first one alone, is no proof of what has to hold to the end."""
+    for spec in (
+        OverTime(never_above=1.0),
+        Occurrence(at_most=1),
+        Occurrence(at_end=True),
+        Occurrence(within=1.0),
+        Occurrence(within=1.0, after=1.0),
+        Occurrence(within=1.0, after="a"),
+    ):
+        found = shown(spec, [False] * ticks, planned=8)
+        assert (found.passed, found.reason != "") == (None, True), spec
+
+
+def judged(spec: Temporal, values: Sequence[float], *, highest: bool = True) -> Finding:
+    """What a number shows of a condition: beyond 1, or below it where the smallest is the one to report."""
+    watch = watch_of(spec, Clock(PERIOD, (len(values) - 1) * PERIOD), highest=highest)
+    for tick, value in enumerate(values):
+        holds = value > 1.0 if highest else value < 1.0
+        happened = frozenset({"a"} if tick == 1 else ())
+        watch.step(Now(tick * PERIOD, holds, value, happened, f"{value:g} m"))
+    return watch.finish()
+
+
+def test_the_number_it_depends_on_is_reported() -> None:
+    """The worst of what must never be, the slowest answer, the count, the last value."""
+    values = (0.5, 0.75, 3.0, 0.25, 2.0, 0.0)
+    worst = "3 m at 0.5 s (tick 2)"
+    assert judged(OverTime(never_above=1.0), values) == Finding(False, f"{worst}; at worst {worst}", 3.0)
+    assert judged(OverTime(never_above=1.0, after=0.75, until=1.0), values) == Finding(
+        True, "at worst 0.25 m at 0.75 s (tick 3)", 0.25
+    )
+    lowest = "0.5 m at 0 s (tick 0); at worst 0 m at 1.25 s (tick 5)"
+    assert judged(OverTime(never_below=1.0), values, highest=False) == Finding(False, lowest, 0.0)
+    assert judged(OverTime(above=1.0, within=0.5, after="a"), values) == Finding(True, "after 0.25 s", 0.25)
+    late = "0.75 m at 0.25 s (tick 1), 0 s after 0.25 s"
+    assert judged(OverTime(above=1.0, within=0.0, after="a"), values) == Finding(False, late, 0.75)
+    assert judged(OverTime(above=1.0, at_most=2), values) == Finding(True, "2 times, last at 1 s (tick 4)", 2.0)
+    assert judged(OverTime(above=1.0, at_most=1), values) == Finding(False, "2 times, last at 1 s (tick 4)", 2.0)
+    assert judged(OverTime(above=1.0, at_least=3), values) == Finding(False, "2 times, last at 1 s (tick 4)", 2.0)
+    assert judged(OverTime(above=1.0, at_least=1, until=1.0), values) == Finding(
+        True, "once, last at 0.5 s (tick 2)", 1.0
+    )
+    assert judged(OverTime(above=1.0, at_end=True), values) == Finding(False, "0 m at 1.25 s (tick 5)", 0.0)
+    assert judged(OverTime(above=1.0, at_end=True), values[:-1]) == Finding(True, "2 m at 1 s (tick 4), since 1 s", 2.0)
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({"never": True}, "never"),
+        ({"always": True, "after": 2.0, "until": "a b"}, "always after 2 s until a b"),
+        ({"never": True, "for": 0.5}, "never for 0.5 s"),
+        ({"within": 5.0}, "within 5 s after the start"),
+        ({"within": 5.0, "after": "jet", "for": 1.0}, "within 5 s after jet for 1 s"),
+        ({"at_most": 1}, "at most once"),
+        ({"at_least": 2, "at_most": 3, "after": "jet"}, "at least 2 times and at most 3 times after jet"),
+        ({"at_least": 1, "for": 2.0, "until": 9.0}, "at least once for 2 s until 9 s"),
+        ({"at_end": True}, "at the end"),
+        ({"at_end": True, "for": 3.0}, "at the end for 3 s"),
+    ],
+)
+def test_what_is_wanted_is_said_in_words(said: dict[str, Any], words: str) -> None:
+    """Every pattern with its times, events and durations."""
+    assert pattern(Occurrence.model_validate(said)) == words
 
 
 @pytest.mark.parametrize("case", CASES)
