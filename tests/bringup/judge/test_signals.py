@@ -83,6 +83,14 @@ def test_units_are_those_of_the_joints(kinds: tuple[str, ...], all_of_them: str)
     assert {name: units[name] for name in base} == base
 
 
+def test_of_a_robot_without_joints_none_is_fast_off_or_beyond() -> None:
+    """There is no largest of none: it is 0."""
+    robot = robot_of(random_model(np.random.default_rng(5), 0))
+    rows, signals = random_rows(robot, 6), signals_of(robot)
+    for name in ("joints.rate", "error.joints", "joints.beyond"):
+        np.testing.assert_array_equal(signals[name].read(rows), np.zeros(TICKS))
+
+
 def test_a_block_that_is_not_there_is_named() -> None:
     """With those that are."""
     robot = ROBOTS["mini"]

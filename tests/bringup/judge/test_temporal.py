@@ -245,6 +245,38 @@ def test_streaming_equals_the_formula_over_the_whole_run(seed: int) -> None:
     assert never.passed is (False if any(runs) else None if tail else True)
 
 
+@pytest.mark.parametrize("seed", range(40))
+def test_stretches_are_counted_as_in_the_whole_run(seed: int) -> None:
+    """Of random runs: stretches that last long enough, in a window or not; one that may still last tells nothing."""
+    rng = np.random.default_rng(seed)
+    count, lasting, most = int(rng.integers(5, 60)), int(rng.integers(0, 4)), int(rng.integers(0, 6))
+    holds = (rng.random(count) < rng.choice([0.2, 0.5, 0.8])).tolist()
+    until = int(rng.integers(1, count)) if seed % 2 else count
+    stretches = [len(part) for part in "".join("x" if hold else " " for hold in holds[:until]).split()]
+    expected = sum(length > lasting for length in stretches)
+    # At the end of the run, but not of a window that ends before it, a short stretch may become a long one.
+    growing = until == count and holds[-1] and stretches[-1] <= lasting
+    window = {"until": until / 4} if until < count else {}
+    window |= {"for": lasting / 4} if lasting else {}
+    at_most = shown(Occurrence.model_validate({"at_most": most} | window), holds)
+    assert at_most.passed is (False if expected > most else None if growing else True), (holds, lasting, until, most)
+    assert ("it holds since" in at_most.reason) is (growing and expected <= most)
+    assert at_most.measured == (None if growing and expected <= most else expected)
+    at_least = shown(Occurrence.model_validate({"at_least": most + 1} | window), holds)
+    assert (at_least.passed, at_least.measured) == (expected > most, expected)
+
+
+def test_a_window_that_never_began_says_what_it_waited_for() -> None:
+    """A time behind the run, an event that did not happen, or the start of a run without a tick."""
+    for spec, reason in (
+        (OverTime(never_above=1.0, after=5.0), "the run ended before 5 s"),
+        (OverTime(never_above=1.0, after="a"), "a did not happen"),
+    ):
+        assert shown(spec, [False] * 9) == Finding(None, reason)
+    assert shown(OverTime(never_above=1.0), [], planned=8) == Finding(None, "the run ended before 0 s")
+    assert shown(Occurrence(at_most=1), [], planned=8) == Finding(None, "the run ended before 0 s; 0 times", 0.0)
+
+
 def within_formula(holds: list[bool], begun: list[int], span: int, lasting: int) -> bool | None:
     """For each beginning there is a tick soon enough from which on it holds for long enough; None: not all is seen."""
     answers = []
