@@ -35,7 +35,7 @@ def test_each_channel_has_its_sample_or_its_prediction() -> None:
     found.update(predicted + 1.0)
     assert found.missing.tolist() == [True, False]
     assert found.refused.tolist() == [1.0, 0.0]
-    np.testing.assert_allclose(found.sample, predicted + [0.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose(found.sample, predicted + np.array([0.0, 1.0]), atol=1e-12)
 
 
 def test_a_channel_that_begins_again_has_no_rate_and_the_others_keep_theirs() -> None:
