@@ -65,10 +65,13 @@ def test_every_signal_is_its_formula(robot: Robot) -> None:
         np.testing.assert_allclose(signal.read(rows), expected[name], atol=1e-14, err_msg=name)
 
 
-@pytest.mark.parametrize(("kinds", "all_of_them"), [(("RX",), "rad"), (("PX",), "m"), (("RX", "PX", "PY"), "rad or m")])
-def test_units_are_those_of_the_joints(kinds: tuple[str, ...], all_of_them: str) -> None:
+@pytest.mark.parametrize(
+    ("kinds", "joints", "all_of_them"),
+    [(("RX",), 6, "rad"), (("PX",), 6, "m"), (("PX",), 1, "m"), (("RX", "PX", "PY"), 6, "rad or m")],
+)
+def test_units_are_those_of_the_joints(kinds: tuple[str, ...], joints: int, all_of_them: str) -> None:
     """A joint that slides is in metres; a number over joints of both kinds says both."""
-    model = random_model(np.random.default_rng(4), 6, kinds=kinds)
+    model = random_model(np.random.default_rng(4), joints, kinds=kinds)
     robot = robot_of(model)
     units = {name: signal.unit for name, signal in signals_of(robot).items()}
     assert len(set(robot.prismatic)) == len({kind[0] for kind in kinds})
