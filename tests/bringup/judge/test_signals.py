@@ -83,6 +83,7 @@ def test_units_are_those_of_the_joints(kinds: tuple[str, ...], joints: int, all_
     assert units["joints.rate"] == f"{all_of_them}/s"
     base = {"base.rate": "rad/s", "base.speed": "m/s", "error.position": "m", "error.attitude": "rad"}
     base |= {"position.x": "m", "rate.z": "rad/s"}
+    assert signals_of(ROBOTS["mini"])["wheels.load"].unit == "of their capacity"
     assert {name: units[name] for name in base} == base
 
 

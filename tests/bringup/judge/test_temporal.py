@@ -196,6 +196,9 @@ def test_the_number_it_depends_on_is_reported() -> None:
         True, "once, last at 0.5 s (tick 2)", 1.0
     )
     assert judged(OverTime(above=1.0, at_end=True), values) == Finding(False, "0 m at 1.25 s (tick 5)", 0.0)
+    always = Finding(True, "3 m at 0.25 s (tick 1), since 0 s", 3.0)
+    assert judged(OverTime.model_validate({"above": 1.0, "at_end": True, "for": 0.25}), (2.0, 3.0)) == always
+    assert shown(Occurrence(at_end=True), [True], planned=8) == Finding(None, "the run ended before its end")
     assert judged(OverTime(above=1.0, at_end=True), values[:-1]) == Finding(True, "2 m at 1 s (tick 4), since 1 s", 2.0)
 
 
