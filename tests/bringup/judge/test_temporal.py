@@ -206,14 +206,13 @@ def test_the_number_it_depends_on_is_reported() -> None:
     ("said", "words"),
     [
         ({"never": True}, "never"),
-        ({"always": True, "after": 2.0, "until": "a b"}, "always after 2 s until a b"),
-        ({"never": True, "for": 0.5}, "never for 0.5 s"),
+        ({"always": True}, "always"),
+        ({"never": True, "for": 0.5, "after": 2.0, "until": "a b"}, "never for 0.5 s after 2 s until a b"),
         ({"within": 5.0}, "within 5 s after the start"),
         ({"within": 5.0, "after": "jet", "for": 1.0}, "within 5 s after jet for 1 s"),
         ({"at_most": 1}, "at most once"),
         ({"at_least": 2, "at_most": 3, "after": "jet"}, "at least 2 times and at most 3 times after jet"),
         ({"at_least": 1, "for": 2.0, "until": 9.0}, "at least once for 2 s until 9 s"),
-        ({"at_end": True}, "at the end"),
         ({"at_end": True, "for": 3.0}, "at the end for 3 s"),
     ],
 )
