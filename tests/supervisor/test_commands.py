@@ -112,6 +112,9 @@ def test_what_changes_no_mode_keeps_no_monitor_from_looking() -> None:
     one = supervisor(monitors=everywhere, schedule=schedule)
     assert said(look(one, 0, rate=2.0)) == events
     assert said(look(one, 1, rate=2.0)) == [("everywhere", "fires")]
+    one = supervisor(monitors=everywhere, schedule=[{"at": 0.0, "do": "hold"}])
+    one.order("hold")
+    assert said(look(one, 0, rate=2.0)) == events
 
 
 def test_only_commands_of_the_ground_lead_to_modes() -> None:
@@ -160,6 +163,13 @@ def test_housekeeping_has_its_own_period() -> None:
     one = supervisor(housekeeping={"period": 2.0, "values": ["base.rate", "command.saturation"]})
     found = [look(one, second, rate=2.0).housekeeping for second in range(4)]
     assert [summary is None for summary in found] == [False, True, False, True]
+    one.order("hold")
+    look(one, 5)
+    one.order("hold")
+    last = look(one, 6).housekeeping
+    # A command and a mode at 5 s, a command that was refused at 6 s.
+    assert last is not None
+    assert last["events"].item() == 5.0
     first, third = found[0], found[2]
     assert first is not None
     assert third is not None

@@ -10,7 +10,7 @@ import pytest
 
 from space_robot_supervisor.monitors import Monitor
 from space_robot_supervisor.rows import MonitorSpec
-from tests.supervisor.test_supervisor import reported, supervisor, watched
+from tests.support.supervised import reported, supervisor, watched
 
 # Around both thresholds and both of them less or more the hysteresis, and on each of these.
 RATES = (-1.5, -1.0, -0.75, -0.5, 0.0, 0.5, 0.75, 1.0, 1.5)

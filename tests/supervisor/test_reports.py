@@ -9,7 +9,7 @@ from space_robot_msgs_py.interfaces import Acknowledgement
 from space_robot_supervisor import reports
 from space_robot_supervisor.monitors import Monitor
 from space_robot_supervisor.rows import SEVERITIES, MonitorSpec
-from tests.supervisor.test_commands import look, supervisor
+from tests.support.supervised import snapshot, supervisor
 
 
 @pytest.mark.parametrize(("severity", "level"), list(zip(SEVERITIES, (OK, WARN, WARN, ERROR), strict=True)))
@@ -61,13 +61,14 @@ def test_commands_of_the_ground_are_found_among_events() -> None:
 def test_a_tick_reports_its_command_its_plan_and_its_monitors() -> None:
     """Every event has the stamp of its tick, and names its cause."""
     one = supervisor(
+        {"name": "fast", "value": "base.rate", "above": 1.0, "start": "back"},
+        modes={"NOMINAL": {}, "STANDBY": {}, "HOLD": {}, "SAFE": {}},
         schedule=[{"at": 1.0, "start": "rest"}, {"at": 1.0, "do": "standby"}],
         sequences={"rest": [{"after": 1.0, "do": "hold"}], "back": [{"after": 9.0, "do": "safe"}]},
-        monitors=[{"name": "fast", "value": "base.rate", "above": 1.0, "start": "back"}],
     )
     answer = one.order("nominal")
-    found = {second: look(one, second, rate=2.0 * (second == 0)).events for second in range(3)}
     stamp = 1_000_000_000
+    found = [one.update(snapshot(second * stamp, 2.0 * (second == 0))).events for second in range(3)]
     monitor = Monitor(MonitorSpec.model_validate({"name": "fast", "value": "base.rate", "above": 1.0}))
     monitor.seen = 2.0
     assert found[0] == (

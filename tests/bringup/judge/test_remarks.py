@@ -60,6 +60,15 @@ def test_joints_and_wheels_are_named_with_their_largest_number(cut: int) -> None
     }
 
 
+@pytest.mark.parametrize("cut", [1, TICKS])
+def test_of_equal_numbers_the_first_is_named(cut: int) -> None:
+    """Whatever the blocks; and where there is nothing that could be beyond, nothing is said."""
+    plant = quiet()
+    plant["joint_limit"][2, 3], plant["joint_limit"][5, 0] = 0.5, -0.5
+    assert remarked(plant, cut)["joint limits"][0].startswith("joint4 was up to 0.5 rad")
+    assert remarked({"joint_limit": np.zeros((TICKS, 0)), "wheel_momentum": np.zeros((TICKS, 0))}, cut) == {}
+
+
 def test_a_joint_that_slides_is_outside_by_metres() -> None:
     """The unit is that of the joint."""
     robot = robot_of(random_model(np.random.default_rng(0), 4, kinds=("PX",)))
@@ -78,6 +87,10 @@ def test_a_command_that_did_not_act_is_missed(cut: int, delay: int) -> None:
     answers[: 1 + delay] = -1.0
     plant["command_stamp"] = answers
     assert remarked(plant, cut, delay) == {}
+    # The answer to state 0 is the first that can be missed.
+    answers[1 + delay] = -1.0
+    assert remarked(plant, cut, delay)["missed commands"][1] == (1 + delay) * PERIOD
+    answers[1 + delay] = 0.0
     answers[4] = -1.0
     text = "no answer to the state acted in one period, first at 1 s (tick 4)"
     assert remarked(plant, cut, delay) == {"missed commands": (text, 4 * PERIOD)}

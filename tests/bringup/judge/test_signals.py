@@ -65,10 +65,13 @@ def test_every_signal_is_its_formula(robot: Robot) -> None:
         np.testing.assert_allclose(signal.read(rows), expected[name], atol=1e-14, err_msg=name)
 
 
-@pytest.mark.parametrize(("kinds", "all_of_them"), [(("RX",), "rad"), (("PX",), "m"), (("RX", "PX", "PY"), "rad or m")])
-def test_units_are_those_of_the_joints(kinds: tuple[str, ...], all_of_them: str) -> None:
+@pytest.mark.parametrize(
+    ("kinds", "joints", "all_of_them"),
+    [(("RX",), 6, "rad"), (("PX",), 6, "m"), (("PX",), 1, "m"), (("RX", "PX", "PY"), 6, "rad or m")],
+)
+def test_units_are_those_of_the_joints(kinds: tuple[str, ...], joints: int, all_of_them: str) -> None:
     """A joint that slides is in metres; a number over joints of both kinds says both."""
-    model = random_model(np.random.default_rng(4), 6, kinds=kinds)
+    model = random_model(np.random.default_rng(4), joints, kinds=kinds)
     robot = robot_of(model)
     units = {name: signal.unit for name, signal in signals_of(robot).items()}
     assert len(set(robot.prismatic)) == len({kind[0] for kind in kinds})
@@ -80,7 +83,16 @@ def test_units_are_those_of_the_joints(kinds: tuple[str, ...], all_of_them: str)
     assert units["joints.rate"] == f"{all_of_them}/s"
     base = {"base.rate": "rad/s", "base.speed": "m/s", "error.position": "m", "error.attitude": "rad"}
     base |= {"position.x": "m", "rate.z": "rad/s"}
+    assert signals_of(ROBOTS["mini"])["wheels.load"].unit == "of their capacity"
     assert {name: units[name] for name in base} == base
+
+
+def test_of_a_robot_without_joints_none_is_fast_off_or_beyond() -> None:
+    """There is no largest of none: it is 0."""
+    robot = robot_of(random_model(np.random.default_rng(5), 0))
+    rows, signals = random_rows(robot, 6), signals_of(robot)
+    for name in ("joints.rate", "error.joints", "joints.beyond"):
+        np.testing.assert_array_equal(signals[name].read(rows), np.zeros(TICKS))
 
 
 def test_a_block_that_is_not_there_is_named() -> None:
