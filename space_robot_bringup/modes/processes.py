@@ -268,6 +268,9 @@ class _NodeProcesses:
     def _close_log(self, reason: str) -> str:
         """In place of a recorder that is no more, or that never gets there."""
         recorder = self._children.get(RECORDER)
+        if RECORDER in self._tethers and self._beats.is_late(RECORDER) and reason == "completed":
+            # The plant got to its end, but the log did not.
+            reason = f"{RECORDER}: its process was silent"
         if recorder is not None:
             recorder.kill()
             recorder.wait()
