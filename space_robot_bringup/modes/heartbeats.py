@@ -14,12 +14,12 @@ SILENT_SECONDS = 5.0
 
 def beating(tether: ChildEnd) -> Callable[[], None]:
     """What a process does often: it tells its parent that its executor runs, every ``BEAT_SECONDS`` at most."""
-    told = -BEAT_SECONDS
+    last = -BEAT_SECONDS
 
     def beat() -> None:
-        nonlocal told
-        if monotonic() - told >= BEAT_SECONDS:
-            told = monotonic()
+        nonlocal last
+        if monotonic() - last >= BEAT_SECONDS:
+            last = monotonic()
             tether.tell(beat=True)
 
     return beat
