@@ -56,7 +56,8 @@ class Reader:
         if telemetry is not None and telemetry.labels is not self._labels:
             # Found once: labels and sizes stay the same for a whole run.
             self._labels = telemetry.labels
-            self._numbers.rows[:] = [value.row(telemetry) for value in self._values]
+            for place, value in enumerate(self._values):
+                self._numbers.rows[place] = value.row(telemetry)
         return self._read(
             self._context.address,
             state.q,

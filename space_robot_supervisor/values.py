@@ -15,7 +15,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Telemetry, Vector
 from space_robot_supervisor.kernel import readings
 
-TELEMETRY = "telemetry."
+TELEMETRY, WHEELS = "telemetry.", "wheels.momentum"
 # What the plant's command monitor counts.
 COUNTS = ("command.missed", "command.refused", "command.clipped")
 _XYZ = ("x", "y", "z")
@@ -120,7 +120,7 @@ def values_of(robot: Robot) -> dict[str, Value]:
     if any(map(isfinite, (*robot.joint_lower.tolist(), *robot.joint_upper.tolist()))):
         found["joints.margin"] = Value(readings.MARGIN)
     if isinstance(robot.actuators.base_torque, ReactionWheels):
-        found["wheels.momentum"] = Value(readings.WHEELS)
+        found[WHEELS] = Value(readings.WHEELS)
     parts = {"position": (0, _XYZ), "attitude": (3, (*_XYZ, "w")), "joint.position": (7, robot.joint_names)}
     for part, (first, names) in parts.items():
         found |= {f"{part}.{name}": Value(readings.POSITION, first + index) for index, name in enumerate(names)}

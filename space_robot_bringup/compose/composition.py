@@ -46,7 +46,7 @@ from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
 
 if TYPE_CHECKING:
-    from space_robot_bringup.compose.supervision import RunSupervisor
+    from space_robot_bringup.compose.run_supervisor import RunSupervisor
     from space_robot_control.laws.base import Law, Review
 
 # Everything whose version can change the bits of a run; the log carries it.
@@ -172,7 +172,7 @@ class Composition:
         """
         if self.experiment.supervision is None:
             return None
-        from space_robot_bringup.compose.supervision import run_supervisor
+        from space_robot_bringup.compose.run_supervisor import run_supervisor
 
         inbox = None if self.faults is None else ControllerInbox(self.faults)
         return run_supervisor(self.experiment, self.nominal, controller or self.controller(), inbox)

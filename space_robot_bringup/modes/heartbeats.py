@@ -9,20 +9,24 @@ from space_robot_bringup.modes.tether import ChildEnd
 
 BEAT_SECONDS = 0.2
 # Longer than any process of a busy machine is kept from running, and than a garbage collection takes.
-SILENT_SECONDS = 3.0
+SILENT_SECONDS = 5.0
 
 
 def beating(tether: ChildEnd) -> Callable[[], None]:
     """What a process does often: it tells its parent that its executor runs, every ``BEAT_SECONDS`` at most."""
-    told = -BEAT_SECONDS
+    last = -BEAT_SECONDS
 
     def beat() -> None:
-        nonlocal told
-        if monotonic() - told >= BEAT_SECONDS:
-            told = monotonic()
+        nonlocal last
+        if monotonic() - last >= BEAT_SECONDS:
+            last = monotonic()
             tether.tell(beat=True)
 
     return beat
+
+
+# So long after its last beat a process is no more asked to do anything that may take long.
+LATE_SECONDS = 2.0
 
 
 class Heartbeats:
@@ -43,6 +47,10 @@ class Heartbeats:
     def forget(self, role: str) -> None:
         """A process is gone."""
         self._heard.pop(role, None)
+
+    def is_late(self, role: str) -> bool:
+        """Whether some beats of a process are missing already."""
+        return self._clock() - self._heard.get(role, self._clock()) > LATE_SECONDS
 
     def silent(self) -> list[str]:
         """Processes that were not heard for ``SILENT_SECONDS``; to be asked often, after all news was taken in."""

@@ -246,7 +246,9 @@ class _NodeProcesses:
         if self._order is not None:
             return
         self._order = reason
-        self._give_up = monotonic() + (CLOSING_SECONDS if self._recording else END_SECONDS)
+        # A recorder that is stopped, too, closes no log.
+        closes = self._recording and not self._beats.is_late(RECORDER)
+        self._give_up = monotonic() + (CLOSING_SECONDS if closes else END_SECONDS)
         for tether in self._tethers.values():
             tether.order_end(reason, hurry=hurry)
 
@@ -266,6 +268,9 @@ class _NodeProcesses:
     def _close_log(self, reason: str) -> str:
         """In place of a recorder that is no more, or that never gets there."""
         recorder = self._children.get(RECORDER)
+        if RECORDER in self._tethers and self._beats.is_late(RECORDER) and reason == "completed":
+            # The plant got to its end, but the log did not.
+            reason = f"{RECORDER}: its process was silent"
         if recorder is not None:
             recorder.kill()
             recorder.wait()

@@ -44,10 +44,11 @@ def test_what_is_lost_is_said_with_its_reason() -> None:
     assert "- `joint_free` with `pd`: a joint beyond its limit, the base moves (1)" in said
 
 
-def test_every_kind_that_the_robot_can_have_is_in_the_campaign() -> None:
-    """All but those of thrusters, each under its own name, with a key of its own for the draws."""
-    faults: Any = chosen(1, ()).vary["faults"]
-    assert set(faults) == {kind for kind in KINDS if not kind.startswith("thruster")}
+@pytest.mark.parametrize(("robot", "none"), [("mini", "thruster"), ("servicer", "wheel")])
+def test_every_kind_that_the_robot_can_have_is_in_the_campaign(robot: str, none: str) -> None:
+    """All but those of thrusters or wheels, each under its own name, with a key of its own for the draws."""
+    faults: Any = chosen(1, (), robot).vary["faults"]
+    assert set(faults) == {kind for kind in KINDS if not kind.startswith(none)}
     assert all(kind == fault["kind"] for kind, (fault,) in faults.items())
 
 

@@ -208,6 +208,13 @@ def test_values_are_the_formulas_of_the_page_to_the_bit() -> None:
         assert found["attitude.w"] == q[6]
 
 
+def test_a_mode_without_monitors_reads_nothing() -> None:
+    """Whatever there is to be read."""
+    one = supervisor()
+    later = snapshot(1, 9.0, command=Command(0, np.zeros(6), np.zeros(4)), telemetry=Telemetry.of(0, {"gain": [1.0]}))
+    assert [one.update(at).events for at in (snapshot(0, 9.0), later)] == [(), ()]
+
+
 def test_a_tick_that_needs_no_closer_look_is_one_at_which_none_would_find_anything() -> None:
     """Looking closely at every tick finds the same events: of rows with persistence, hysteresis, inhibition, bands."""
     rows = [
