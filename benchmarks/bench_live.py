@@ -26,8 +26,8 @@ from space_robot_report.live.companion import shown_live
 CASE = "liu2023/fig08"
 PERIODS = 200
 # Periods per second: as on a satellite, and as fast as a fast one.
-RATES = (4.0, 40.0)
-REPEATS = 3
+RATES = (4.0, 20.0, 40.0)
+REPEATS = 5
 
 
 def run() -> dict[str, float]:
@@ -41,7 +41,7 @@ def run() -> dict[str, float]:
                     place = Path(scratch) / f"{shown}_{rate:g}_{repeat}"
                     missed, seconds = _paced(composition, place, rate, shown=shown)
                     row = f"{rate:g} periods/s, {'viewer and Foxglove beside' if shown else 'not shown'}"
-                    table[f"{row}: periods missed or late, of {REPEATS * PERIODS}"] += missed
+                    table[f"{row}: periods missed, of {REPEATS * PERIODS}"] += missed
                     table[f"{row}: CPU of the run per period [ms]"] += 1e3 * seconds / (REPEATS * PERIODS)
     return dict(table)
 
@@ -55,7 +55,7 @@ def _paced(composition: Composition, place: Path, rate: float, *, shown: bool) -
         counts = graph.simulator.commands.counts
         for node in graph.nodes:
             node.destroy_node()
-    return counts["missed"] + counts["late"], seconds
+    return counts["missed"], seconds
 
 
 @contextmanager

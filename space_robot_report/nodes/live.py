@@ -22,7 +22,7 @@ from space_robot_report.nodes.listener import Listener
 
 FRAME_SECONDS = 1.0 / 30.0
 # The run goes first.
-NICE = 10
+NICE = 19
 
 
 class Screen(Protocol):

@@ -174,7 +174,7 @@ def test_a_stray_message_is_refused_and_changes_nothing(
 
 
 def test_a_reference_that_is_said_again_is_no_news(tmp_path: Path, undisturbed: list[tuple[str, int, bytes]]) -> None:
-    """For late nodes guidance says it again: a controller counts nothing, even beside a stranger, and a reset works."""
+    """Guidance says it for late nodes: a controller counts nothing, whatever a stranger said, and a reset works."""
     with running_graph(tmp_path / "run", *WHOLE) as robot:
         guidance = robot.nodes["guidance"]
         assert isinstance(guidance, GuidanceNode)
