@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.experiment.plant import PlantSpec
 from space_robot_bringup.fused.kernel.loop import Body, Known, run_ticks
 from space_robot_bringup.fused.kernel.records import Desired, Records
 from space_robot_bringup.fused.sink import FusedRun
@@ -48,7 +49,10 @@ def compiled_run(composition: Composition, ticks: int | None = None) -> FusedRun
     Raises:
         SpaceRobotError: plant, law or reference cannot be made.
     """
-    if not jit.MACHINE_CODE or composition.experiment.supervision is not None or composition.faults is not None:
+    experiment = composition.experiment
+    if not jit.MACHINE_CODE or experiment.supervision is not None or composition.faults is not None:
+        return None
+    if not isinstance(experiment.plant, PlantSpec):
         return None
     parts = _parts(composition)
     return None if parts is None else _Run(composition, parts, ticks).completed()
