@@ -146,15 +146,28 @@ def test_a_run_that_fails_is_run_by_the_loop() -> None:
         ["controller={law: mfac, gains: {adjust: true}}"],
         ["controller.gains={update: rls, consistency: project}"],
         ["plant.integrator.kernel=pinocchio"],
-        ["plant.monitor={limit: {factor: 1.0}}"],
+        ["plant.monitor={limit: {factor: 1e-6, response: clip}}"],
+        ["plant.monitor={rate: {factor: 1e-9, response: refuse}}"],
         ["supervision=mini_basic"],
         ["plant.sensors.wheel_momentum={}"],
-        ["plant.hold={last_for: 3, brakes: true}"],
     ],
 )
 def test_what_is_not_compiled_is_run_by_the_loop(changes: list[str]) -> None:
     """A law, a plant or a supervision without a compiled form has no compiled run, and no error."""
     assert compiled_run(compose(load_experiment("liu2023/fig08", [*changes, "duration=1.0"]))) is None
+
+
+@pytest.mark.parametrize(
+    "changes", [["plant.monitor={limit: {factor: 100.0}}"], ["plant.monitor={rate: {factor: 1e3}}"]]
+)
+def test_what_changes_no_command_keeps_a_run_compiled(changes: list[str]) -> None:
+    """A monitor that lets every command pass, and brakes that never close, have the bits of the loop."""
+    brakes = ["plant.hold={last_for: 3, brakes: true}", "duration=3.0"]
+    composition = compose(load_experiment("liu2023/fig08", [*changes, *brakes]))
+    fused, sink = compiled_run(composition), looped(composition)
+    assert fused is not None
+    assert different(fused.arrays, sink.arrays) == []
+    assert [tick.sample.events for tick in fused.ticks] == [tick.sample.events for tick in sink.ticks]
 
 
 class Louder(ComputedTorque):
