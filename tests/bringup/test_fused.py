@@ -21,6 +21,7 @@ from space_robot_description.kernel import jit
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from space_robot_msgs_py.log.arrays import LogArrays
 from space_robot_msgs_py.log.writer import MemorySink
+from tests.support.paths import ROOT
 
 pytestmark = pytest.mark.skipif(not jit.MACHINE_CODE, reason="without a compiler every run is the loop")
 TICKS = 40
@@ -191,6 +192,16 @@ def test_a_subclass_with_its_own_text_is_run_by_the_loop(
     law = kind(composition.nominal, composition.experiment.control_period)
     monkeypatch.setattr(Composition, "controller", lambda self: law)
     assert (compiled_run(composition) is not None) == compiled
+
+
+def test_the_example_of_a_compiled_law_has_the_bits_of_the_loop() -> None:
+    """The law of ``examples/compiled_law.py``, found by its path."""
+    law = f"controller={{law: '{ROOT / 'examples' / 'compiled_law.py'}:Springs', gains: {{}}}}"
+    composition = compose(load_experiment("liu2023/fig08", [law, "expect={}", "duration=3.0"]))
+    fused, sink = compiled_run(composition), looped(composition)
+    assert fused is not None
+    assert different(fused.arrays, sink.arrays) == []
+    assert np.abs(fused.arrays.effort_command).max() > 0.0
 
 
 def test_hooks_see_every_tick() -> None:
