@@ -48,6 +48,7 @@ class PlantNumbers(NamedTuple):
         sensors: what is seen of it.
         telemetry: its layout, and what it depends on.
         delay: periods by which a command acts late.
+        reach: (2, 6+n) what of a command acts unchanged, see ``CommandMonitor``.
     """
 
     context: Context
@@ -55,6 +56,7 @@ class PlantNumbers(NamedTuple):
     sensors: Sensors
     telemetry: PlantTelemetry
     delay: int
+    reach: Vector
 
 
 class SimulatedRobot:
@@ -181,11 +183,10 @@ class SimulatedRobot:
 
     def numbers(self) -> PlantNumbers | None:
         """The plant as it is, for runs that call no Python between their ticks; None where that cannot be."""
-        if not self._compiled or self._plan.planned or self._monitor.checks:
+        if not self._compiled or self._plan.planned or self._reads_wheels:
             return None
-        if self._brakes is not None or self._reads_wheels:
-            return None
-        return PlantNumbers(self.context(), self._memory, self._sensors, self._telemetry, self._hold.delay)
+        seen, late = (self._sensors, self._telemetry), self._hold.delay
+        return PlantNumbers(self.context(), self._memory, *seen, late, self._monitor.reach())
 
     def context(self) -> Context:
         """Where compiled code finds robot, actuators and state as they are now."""

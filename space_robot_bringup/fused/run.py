@@ -129,7 +129,7 @@ class _Run:
         body = plant.numbers()
         assert body is not None
         limits, floating, estimated = body.telemetry.traits
-        traits = body.sensors.rule, self._draws, limits, int(floating), int(estimated), body.delay
+        traits = body.sensors.rule, self._draws, limits, int(floating), int(estimated), body.delay, body.reach
         numbers, address = Body(body.memory, *traits), body.context.address
         steps, answer, note = _pointers(law.answer, law.note, self._parts.law.n)
         parts = numbers, self._known, steps, address, answer, note, law.context.address, self.desired, self.records

@@ -77,6 +77,26 @@ def smallest_singular_value(a: Vector, work: Vector) -> float:
 
     Reference: Demmel and Veselic, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. 13(4), 1992.
     """
+    _turn(a, work)
+    smallest = _product(work[0], work[0])
+    for i in range(1, a.shape[0]):
+        smallest = min(smallest, _product(work[i], work[i]))
+    return math.sqrt(smallest)
+
+
+@kernel
+def largest_singular_value(a: Vector, work: Vector) -> float:
+    """Return the largest singular value of a (m, m), which of a positive definite one is its largest eigenvalue."""
+    _turn(a, work)
+    largest = 0.0
+    for i in range(a.shape[0]):
+        largest = max(largest, _product(work[i], work[i]))
+    return math.sqrt(largest)
+
+
+@inner
+def _turn(a: Vector, work: Vector) -> None:
+    """Write the columns of a as rows of ``work``, turned until all are at right angles."""
     size = a.shape[0]
     for i in range(size):
         for j in range(size):
@@ -87,10 +107,6 @@ def smallest_singular_value(a: Vector, work: Vector) -> float:
         for i in range(size):
             for j in range(i + 1, size):
                 turned = _orthogonal(work[i], work[j]) or turned
-    smallest = _product(work[0], work[0])
-    for i in range(1, size):
-        smallest = min(smallest, _product(work[i], work[i]))
-    return math.sqrt(smallest)
 
 
 @inner

@@ -21,6 +21,7 @@ from space_robot_description.kernel import jit
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from space_robot_msgs_py.log.arrays import LogArrays
 from space_robot_msgs_py.log.writer import MemorySink
+from tests.support.paths import ROOT
 
 pytestmark = pytest.mark.skipif(not jit.MACHINE_CODE, reason="without a compiler every run is the loop")
 TICKS = 40
@@ -48,6 +49,9 @@ LAWS: list[dict[str, Any]] = [
     {"law": "mfac", "gains": {"input_order": 3, "units": "printed", "control_weight": 1e-9, "lead": 4.0}},
     {"law": "pd", "gains": {"bandwidth": 0.2}},
     {"law": "pd", "gains": {"bandwidth": 0.2, "outputs": ["yaw", "joint2"], "held": ["joint1"], "filter": {}}},
+    {"law": "damped_hold", "gains": {"rate": 0.3}},
+    {"law": "detumble"},
+    {"law": "park", "gains": {"posture": {"joint2": 0.3}}},
 ]
 
 
@@ -143,15 +147,28 @@ def test_a_run_that_fails_is_run_by_the_loop() -> None:
         ["controller={law: mfac, gains: {adjust: true}}"],
         ["controller.gains={update: rls, consistency: project}"],
         ["plant.integrator.kernel=pinocchio"],
-        ["plant.monitor={limit: {factor: 1.0}}"],
+        ["plant.monitor={limit: {factor: 1e-6, response: clip}}"],
+        ["plant.monitor={rate: {factor: 1e-9, response: refuse}}"],
         ["supervision=mini_basic"],
         ["plant.sensors.wheel_momentum={}"],
-        ["plant.hold={last_for: 3, brakes: true}"],
     ],
 )
 def test_what_is_not_compiled_is_run_by_the_loop(changes: list[str]) -> None:
     """A law, a plant or a supervision without a compiled form has no compiled run, and no error."""
     assert compiled_run(compose(load_experiment("liu2023/fig08", [*changes, "duration=1.0"]))) is None
+
+
+@pytest.mark.parametrize(
+    "changes", [["plant.monitor={limit: {factor: 100.0}}"], ["plant.monitor={rate: {factor: 1e3}}"]]
+)
+def test_what_changes_no_command_keeps_a_run_compiled(changes: list[str]) -> None:
+    """A monitor that lets every command pass, and brakes that never close, have the bits of the loop."""
+    brakes = ["plant.hold={last_for: 3, brakes: true}", "duration=3.0"]
+    composition = compose(load_experiment("liu2023/fig08", [*changes, *brakes]))
+    fused, sink = compiled_run(composition), looped(composition)
+    assert fused is not None
+    assert different(fused.arrays, sink.arrays) == []
+    assert [tick.sample.events for tick in fused.ticks] == [tick.sample.events for tick in sink.ticks]
 
 
 class Louder(ComputedTorque):
@@ -175,6 +192,16 @@ def test_a_subclass_with_its_own_text_is_run_by_the_loop(
     law = kind(composition.nominal, composition.experiment.control_period)
     monkeypatch.setattr(Composition, "controller", lambda self: law)
     assert (compiled_run(composition) is not None) == compiled
+
+
+def test_the_example_of_a_compiled_law_has_the_bits_of_the_loop() -> None:
+    """The law of ``examples/compiled_law.py``, found by its path."""
+    law = f"controller={{law: '{ROOT / 'examples' / 'compiled_law.py'}:Springs', gains: {{}}}}"
+    composition = compose(load_experiment("liu2023/fig08", [law, "expect={}", "duration=3.0"]))
+    fused, sink = compiled_run(composition), looped(composition)
+    assert fused is not None
+    assert different(fused.arrays, sink.arrays) == []
+    assert np.abs(fused.arrays.effort_command).max() > 0.0
 
 
 def test_hooks_see_every_tick() -> None:
