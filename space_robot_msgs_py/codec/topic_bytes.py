@@ -85,7 +85,9 @@ class TickCodec:
         """
         sample, output = tick.sample, tick.output
         values = (sample.state, tick.reference, output.command, output.telemetry, sample.telemetry)
-        stamps = [value.stamp for value in (*values, *output.events, *sample.faults, *sample.events)]
+        stamps = [value.stamp for value in values]
+        stamps += [event.stamp for event in output.events]
+        stamps += [event.stamp for event in (*sample.faults, *sample.events)]
         if stamps.count(tick.stamp) != len(stamps):
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return (
