@@ -6,13 +6,17 @@ The lines come from the files as they are: to check all of them as their runs do
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.experiment.base import with_base
 from space_robot_description.joint_count import count_joints
 from space_robot_description.share import config_dir, shipped
 from space_robot_description.yaml_files import nearest, parse_yaml
+from space_robot_msgs_py.bounded_files import read_text
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_msgs_py.limits import YAML_BYTES
+from space_robot_msgs_py.yaml_heads import top_texts
 from space_robot_studies.campaign.run_count import runs_of
 
 
@@ -84,21 +88,21 @@ def _beginning(names: Sequence[str], beginning: str) -> list[str]:
 
 
 def _experiment(name: str) -> str:
-    data = _content("experiments", name)
-    if not {"title", "source"} <= data.keys():
-        path = config_dir() / "experiments" / f"{name}.yaml"
-        data = with_base(data, path.parent, str(path))
-    title, source = _line(data, "title"), _line(data, "source")
+    head: Mapping[str, Any] = _head("experiments", name, "title", "source")
+    if len(head) < 2:
+        path = _path("experiments", name)
+        head = with_base(parse_yaml(path), path.parent, str(path))
+    title, source = _line(head, "title"), _line(head, "source")
     return f"{title} ({source})" if source else title
 
 
 def _paper(name: str) -> str:
-    manifest = _content("papers", name)
-    return f"{_line(manifest, 'title')} ({_line(manifest, 'citation')})"
+    head = _head("papers", name, "title", "citation")
+    return f"{_line(head, 'title')} ({_line(head, 'citation')})"
 
 
 def _tuning(name: str) -> str:
-    return _line(_content("tuning", name), "title")
+    return _line(_head("tuning", name, "title"), "title")
 
 
 def _campaign(name: str) -> str:
@@ -107,7 +111,7 @@ def _campaign(name: str) -> str:
 
 
 def _table(name: str) -> str:
-    return _line(_content("supervision", name), "title")
+    return _line(_head("supervision", name, "title"), "title")
 
 
 def _robot(name: str) -> str:
@@ -120,8 +124,17 @@ def _robot(name: str) -> str:
     return f"{joints} joints, {_line(data, 'base_mode')}; {_line(data, 'description')}"
 
 
+def _path(kind: str, name: str) -> Path:
+    return config_dir() / kind / f"{name}.yaml"
+
+
 def _content(kind: str, name: str) -> dict[str, Any]:
-    return parse_yaml(config_dir() / kind / f"{name}.yaml")
+    return parse_yaml(_path(kind, name))
+
+
+def _head(kind: str, name: str, *keys: str) -> dict[str, str]:
+    path = _path(kind, name)
+    return top_texts(read_text(path, YAML_BYTES), keys, str(path))
 
 
 def _line(data: Mapping[str, Any], key: str) -> str:

@@ -85,6 +85,14 @@ class TelemetryCodec:
         """The layout of a message."""
         return self._find(raw)[1]
 
+    def layout_for(self, shape: Shape) -> Layout:
+        """The layout of messages of these labels and sizes.
+
+        Raises:
+            LayoutError: a label is used twice or is ``stamp``.
+        """
+        return self._layout(shape)
+
     def _blocks(self, raw: bytes) -> tuple[Shape, tuple[bytes, ...]]:
         shape, layout = self._find(raw)
         return shape, layout.blocks(raw)
