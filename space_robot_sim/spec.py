@@ -129,7 +129,7 @@ class MonitorSpec(Strict):
 
 
 class DisturbanceSpec(Strict):
-    """What pushes the base at all times beside its actuators, and no law is told of: drag, solar pressure, a leak."""
+    """What pushes the base at all times beside its actuators, unknown to every law: drag, solar pressure, a leak."""
 
     force: Three = Field(default=(0.0, 0.0, 0.0), description="constant in inertial axes [N]")
     at: Three = Field(default=(0.0, 0.0, 0.0), description="where it acts, in base_link: the centre of pressure [m]")
