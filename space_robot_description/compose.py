@@ -13,7 +13,7 @@ import pinocchio as pin
 from space_robot_description.changed_inertia import change_inertias
 from space_robot_description.inertia import check_inertia
 from space_robot_description.mimic import mimic_of
-from space_robot_description.robot_spec import BaseSpec, JointLimits, RobotSpec, tensor
+from space_robot_description.robot_spec import BaseSpec, JointLimits, Pose, RobotSpec, tensor
 from space_robot_description.spec import check_joint_names
 from space_robot_description.urdf import MOVING, Tree, kind_of, parse_urdf
 from space_robot_description.urdf_values import axis_of, numbers
@@ -48,7 +48,7 @@ def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> tuple[str, 
     else:
         _mount(tree, spec.base)
     if folder is not None:
-        _absolute_meshes(tree.root, folder)
+        absolute_meshes(tree.root, folder)
     _lock(tree, spec.locked_joints)
     _override_limits(tree, spec.joint_limits)
     # By the names of the result; the satellite has its own numbers in the robot file.
@@ -72,15 +72,25 @@ def _mount(tree: Tree, base: BaseSpec) -> None:
         free = _free_name(f"arm_{name}", tree.links)
         _rename_link(tree, name, free)
         arm_root = free if name == arm_root else arm_root
-    joint = ET.Element("joint", name=_free_name(MOUNT_JOINT, tree.joints), type="fixed")
-    ET.SubElement(joint, "origin", xyz=_text(base.mount.xyz), rpy=_text(base.mount.rpy))
+    tree.root.insert(0, satellite(base))
+    tree.root.insert(1, stand_on(_free_name(MOUNT_JOINT, tree.joints), base.mount, arm_root))
+
+
+def stand_on(name: str, mount: Pose, link: str) -> ET.Element:
+    """A fixed joint between the satellite and the root link of an arm."""
+    joint = ET.Element("joint", name=name, type="fixed")
+    ET.SubElement(joint, "origin", xyz=_text(mount.xyz), rpy=_text(mount.rpy))
     ET.SubElement(joint, "parent", link=BASE_LINK)
-    ET.SubElement(joint, "child", link=arm_root)
-    tree.root.insert(0, _satellite(base))
-    tree.root.insert(1, joint)
+    ET.SubElement(joint, "child", link=link)
+    return joint
 
 
-def _satellite(base: BaseSpec) -> ET.Element:
+def satellite(base: BaseSpec) -> ET.Element:
+    """The link under the arms.
+
+    Raises:
+        InertiaError: the satellite cannot exist.
+    """
     inertia, com = tensor(base.inertia, "base.inertia"), np.array(base.com)
     check_inertia(BASE_LINK, base.mass, com, inertia)
     link = ET.Element("link", name=BASE_LINK)
@@ -118,7 +128,8 @@ def _free_name(wanted: str, taken: Mapping[str, object]) -> str:
     return wanted
 
 
-def _absolute_meshes(root: ET.Element, folder: Path) -> None:
+def absolute_meshes(root: ET.Element, folder: Path) -> None:
+    """Let relative mesh paths start at a folder."""
     for mesh in root.iter("mesh"):
         name = mesh.get("filename", "")
         if name and "://" not in name:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import dist
 
 import numpy as np
@@ -31,8 +31,9 @@ class Reach:
     sampled: float
 
 
-def reach_of(robot: Robot) -> Reach:
-    """Reach of ``robot.tool_frame``; deterministic."""
+def reach_of(robot: Robot, link: str = "") -> Reach:
+    """Reach of a link, by default of ``robot.tool_frame``; deterministic."""
+    robot = replace(robot, tool_frame=link or robot.tool_frame)
     chain = _chain(robot)
     if not chain:
         return Reach(0.0, 0.0)

@@ -81,6 +81,7 @@ class RobotReport:
         torque_capacity: (3,) largest torque about each body axis alone [N m], wheels as above.
         force_capacity: (3,) [N]; None for a free-floating base.
         reach: of the tool, from the first joint on its chain.
+        tools: of several arms: name -> link of the tool, and its reach.
         coupling: of arm and base at home.
         joints: in model order.
         actuators: as in the robot file.
@@ -104,6 +105,7 @@ class RobotReport:
     coupling: Coupling
     joints: tuple[JointReport, ...]
     actuators: dict[str, Any]
+    tools: dict[str, dict[str, Any]]
     followers: dict[str, dict[str, Any]]
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -137,6 +139,7 @@ def robot_report(robot: Robot) -> RobotReport:
         coupling=coupling_at(robot, robot.home),
         joints=_joints(robot),
         actuators=robot.actuators.model_dump(mode="json"),
+        tools={name: {"link": link, "reach": reach_of(robot, link)} for name, link in robot.tools.items()},
         followers={name: mimic._asdict() for name, mimic in robot.mimics.items()},
         notes=robot.notes,
         warnings=robot_warnings(robot),

@@ -35,6 +35,7 @@ class Robot:
         tool_frame: the link at the end of the arm, in ``model.frames``.
         resolved: the robot file with the URDF inside; ``load_robot`` makes the same robot from it, bit for bit.
         notes: what the robot file changed in the URDF's inertias, a sentence each.
+        tools: name -> link of ``model.frames``, of robots with several arms.
         mimics: follower -> the joint of ``joint_names`` that moves it.
     """
 
@@ -55,6 +56,7 @@ class Robot:
     knows_friction: bool = False
     resolved: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    tools: Mapping[str, str] = field(default_factory=dict)
     mimics: Mapping[str, Mimic] = field(default_factory=dict)
 
     @property

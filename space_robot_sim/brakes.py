@@ -14,6 +14,7 @@ from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.period import PlantMemory
 from space_robot_sim.kernel.rhs import COULOMB, COULOMB_VELOCITY, LAG, STORED, VISCOUS
+from space_robot_sim.pinocchio_integrator import wrench_of
 
 Joints = npt.NDArray[np.bool_]
 
@@ -139,6 +140,8 @@ def _applied(plant: PlantMemory, motors: Vector, v: Vector, period: float) -> Ve
     allocation, n = plant.allocation, motors.shape[0]
     out = np.concatenate([allocation.wrench, allocation.effort])
     out[3:6] -= np.cross(v[3:6], allocation.segments[0, STORED : STORED + 3])
+    if plant.disturbance.size:
+        out[:6] += wrench_of(plant.disturbance, plant.y[3:7].tolist())
     for joint in range(n):
         lag, rate = float(motors[joint, LAG]), float(v[6 + joint])
         if lag > 0.0:

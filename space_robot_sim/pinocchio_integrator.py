@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,9 @@ import pinocchio as pin
 
 from space_robot_description.kernel.arrays import RobotArrays, locked_joints
 from space_robot_description.mass_matrix import mass_matrix
-from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix
+from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix, rotate_inverse
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.disturbance import AT, PUSH, TWIST
 from space_robot_sim.kernel.rhs import (
     BEGIN,
     COULOMB,
@@ -94,6 +96,8 @@ class PinocchioIntegrator:
         effort = self._effort(drive, t, rates)
         self._tau[:3], self._tau[6:] = force, effort
         self._tau[3:6] = [torque[i] - rate[i] - gyroscopic[i] for i in range(3)]
+        if drive.disturbance.size:
+            self._tau[:6] += wrench_of(drive.disturbance, pose[3:])
         self._q[7:] = y[7 : 7 + n]
         dy = np.empty_like(y)
         dy[7 + n : 13 + 2 * n] = self._acceleration(y[7 + n : 13 + 2 * n])
@@ -105,6 +109,8 @@ class PinocchioIntegrator:
         dy[13 + 2 * n] = effort @ rates + sum(force[i] * v[i] + (torque[i] - rate[i]) * omega[i] for i in range(3))
         dy[14 + 2 * n : 17 + 2 * n] = inertial
         dy[17 + 2 * n :] = [arm[i] + moment[i] for i in range(3)]
+        if drive.disturbance.size:
+            dy[13 + 2 * n :] += _counted(drive.disturbance, pose, twist)
         return dy
 
     def _acceleration(self, v: Vector) -> Vector:
@@ -188,6 +194,20 @@ class PinocchioIntegrator:
                 wish, first, most = h * factor, 1, 1.0
         how.next_step[0] = wish
         return budget
+
+
+def wrench_of(disturbance: Vector, quaternion: Sequence[float]) -> Vector:
+    """(6,) force on the base and moment about its origin, body frame; the text of `kernel.disturbance`."""
+    force = rotate_inverse(quaternion, disturbance[PUSH:AT].tolist())
+    arm = cross(disturbance[AT:TWIST].tolist(), force)
+    return np.concatenate([force, np.array(arm) + disturbance[TWIST:]])
+
+
+def _counted(disturbance: Vector, pose: Sequence[float], twist: Sequence[float]) -> Vector:
+    """(7,) its power, force and moment about the inertial origin."""
+    wrench, push = wrench_of(disturbance, pose[3:]), disturbance[PUSH:AT]
+    moment = np.array(cross(pose[:3], push.tolist())) + rotate_by_matrix(pose[3:], wrench[3:].tolist())
+    return np.concatenate([[float(wrench @ np.array(twist))], push, moment])
 
 
 def _step_error(h: float, how: Stepping, y: Vector, new: Vector, stages: Vector) -> tuple[float, float]:

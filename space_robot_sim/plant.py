@@ -28,6 +28,7 @@ from space_robot_sim.faults.wires import CommandWire
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
+from space_robot_sim.kernel.disturbance import NOTHING
 from space_robot_sim.kernel.momentum import ENERGY, LINEAR
 from space_robot_sim.kernel.period import PlantContext, PlantMemory, advance, keep, plant_memory, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
@@ -35,7 +36,7 @@ from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
 from space_robot_sim.sensor_rule import check_wheels
 from space_robot_sim.sensors import Sensors
-from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
+from space_robot_sim.spec import DisturbanceSpec, Hold, IntegratorSpec, MonitorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
 
 
@@ -75,6 +76,7 @@ class SimulatedRobot:
         faults: what goes wrong with its actuators and sensors, and the events that say so.
         monitor: what is checked of commands before they act; None: nothing.
         braked: the brakes of its joints may close, see ``close_brakes``; what they do is in the telemetry.
+        disturbance: what pushes the base beside its actuators, at all times.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -95,6 +97,7 @@ class SimulatedRobot:
         faults: FaultPlan | None = None,
         monitor: MonitorSpec | None = None,
         braked: bool = False,
+        disturbance: DisturbanceSpec | None = None,
     ) -> None:
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
@@ -123,7 +126,8 @@ class SimulatedRobot:
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors, robot.n, control_period, seed)
         self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4", braked=braked)
-        self._memory = plant_memory(robot.n, self._wheels.size, len(robot.mimics))
+        push = NOTHING if disturbance is None else disturbance.numbers
+        self._memory = plant_memory(robot.n, self._wheels.size, len(robot.mimics))._replace(disturbance=push)
         self._context: Context | None = None
         if self._compiled:
             address = self.context().address
@@ -269,7 +273,7 @@ class SimulatedRobot:
         if self._fallback is None:
             return self._advance_kernel(self.context().address, acting, self._seconds, start)
         count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
-        drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
+        drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors, plant.disturbance)
         if start:
             reset_baseline(self._arrays, self._able, drive, plant)
             return DONE

@@ -21,6 +21,7 @@ from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.aba import forward_dynamics
 from space_robot_sim.kernel.articulated import WORKSPACE
 from space_robot_sim.kernel.coupled import CoupledMemory, coupled_dynamics, coupled_memory
+from space_robot_sim.kernel.disturbance import NOTHING, count_disturbance, disturbance_wrench
 from space_robot_sim.kernel.tableau import STAGES
 
 QUADRATURES = 7
@@ -37,11 +38,13 @@ class Drive(NamedTuple):
         segments: (k, 14) times between which force, torque and wheel torque are constant, all in the body frame.
         effort: (n,) joint efforts asked of the motors [N m or N].
         start_effort: (n,) joint efforts at the beginning of the period.
+        disturbance: what pushes the base beside them, see `kernel.disturbance`; (0,): nothing.
     """
 
     segments: npt.NDArray[np.float64]
     effort: npt.NDArray[np.float64]
     start_effort: npt.NDArray[np.float64]
+    disturbance: npt.NDArray[np.float64] = NOTHING
 
 
 class Scratch(NamedTuple):
@@ -133,9 +136,14 @@ def slope(robot: RobotArrays, drive: Drive, k: int, t: float, y: Vector, dy: Vec
     power = joint_efforts(robot, drive, t, y, memory.effort)
     torque = base_torque(drive, k, t, omega)
     force = get3(drive.segments, k, FORCE)
+    if drive.disturbance.shape[0]:
+        push, twist = disturbance_wrench(drive.disturbance, y)
+        force, torque = add(force, push), add(torque, twist)
     if robot.coupling.shape[0]:
         coupled_dynamics(robot, y, force, torque, memory.effort, memory.coupled, dy)
     else:
         forward_dynamics(robot, y, force, torque, memory.effort, memory.bodies, dy)
     kinematics(y, n, dy)
     quadratures(drive, k, power, y, dy)
+    if drive.disturbance.shape[0]:
+        count_disturbance(drive.disturbance, n, y, dy)
