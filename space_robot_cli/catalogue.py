@@ -10,6 +10,7 @@ from space_robot_description.share import config_dir, shipped
 from space_robot_description.validation import nearest, parse_yaml, validate
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_sim.faults.catalogue import common_keys, groups, keys_of, meaning
+from space_robot_studies.benchmark.spec import load_benchmark
 from space_robot_studies.campaign.spec import read_campaign
 from space_robot_studies.reproduce.plan import manifest_path, read_manifest
 from space_robot_studies.tune.spec import read_tuning
@@ -27,6 +28,7 @@ def catalogue(kind: str = "", beginning: str = "") -> dict[str, dict[str, str]]:
         "papers": _paper,
         "campaigns": _campaign,
         "tuning": _tuning,
+        "benchmarks": _benchmark,
         "supervision": _table,
         "robots": _robot,
     }
@@ -88,6 +90,10 @@ def _experiment(name: str) -> str:
 def _paper(name: str) -> str:
     manifest = read_manifest(manifest_path(name), name)
     return f"{manifest.title} ({manifest.citation})"
+
+
+def _benchmark(name: str) -> str:
+    return load_benchmark(name).title
 
 
 def _tuning(name: str) -> str:

@@ -159,7 +159,7 @@ def benchmark(
     ] = None,
     short: Annotated[bool, typer.Option("--short", help="the part of the set that is over in minutes")] = False,
     table: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="results to enter the rows in; default: table.json in --out")
+        Path | None, typer.Option(metavar="FILE", help="results to enter the rows in; default table.json in --out")
     ] = None,
     workers: WorkersOption = None,
     directory: Annotated[Path, typer.Option("--out", help="directory of the searches")] = Path("out/benchmark"),
@@ -177,8 +177,8 @@ def benchmark(
     from space_robot_cli.study_options import StudyOptions
 
     shared = StudyOptions(workers, resume, time_limit, markdown, as_json)
-    parts = [tuple(some or ()) for some in (law, task, only)]
-    if not run(Options(file, directory, shared, *parts, short=short, table=table), out, err):
+    laws, tasks, points = (tuple(some or ()) for some in (law, task, only))
+    if not run(Options(file, directory, shared, laws, tasks, points, short, table), out, err):
         raise typer.Exit(FAILED)
 
 

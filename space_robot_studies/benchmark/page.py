@@ -14,11 +14,12 @@ from space_robot_studies.reproduce.estimate import Estimate
 Row = Mapping[str, Any]
 SHOWN = {"joint_error": "joint error [deg]", "attitude_rms": "attitude, rms [deg]", "torque_integral": "torque [N m s]"}
 LEGEND = (
-    "Means over the held-out draws with 95 % bootstrap intervals; settled: runs of which every axis came to rest within its "
-    "band. Shipped is the law with the gains it is given in the file, tuned the best of the search. "
+    "Means over the held-out draws with 95 % bootstrap intervals; settled: runs of which every axis came to rest in "
+    "its band, where the reference does. Shipped is the law with the gains it is given in the file, tuned the best of "
+    "the search. "
     "ended k: k runs did not complete; misses k: k runs are beyond a constraint. "
-    "Said is what Wilcoxon's signed-rank test over the same draws, with Holm's correction, and the interval of the mean "
-    "difference both separate."
+    "Worse is said where Wilcoxon's signed-rank test over the same draws, with Holm's correction, and the interval of "
+    "the mean difference both say so."
 )
 
 
@@ -46,10 +47,10 @@ def page_of(table: Table, titles: Mapping[str, str]) -> str:
 
 HEADINGS = (
     "law",
-    "objective shipped",
-    "tuned",
-    "settled shipped",
-    "tuned",
+    "objective, shipped",
+    "objective, tuned",
+    "settled, shipped",
+    "settled, tuned",
     *(f"{one}, tuned" for one in SHOWN.values()),
 )
 
@@ -79,8 +80,8 @@ def cells_of(rows: Sequence[Row]) -> list[list[str]]:
                 f"`{row['law']}`",
                 _objective(shipped),
                 _objective(tuned) + marks,
-                f"{shipped.settled}/{len(shipped.draws)}",
-                f"{tuned.settled}/{len(tuned.draws)}",
+                _settled(shipped, row),
+                _settled(tuned, row),
                 *(_number(tuned.mean(name)) for name in SHOWN),
             ]
         )
@@ -104,6 +105,10 @@ def sentence(ranking: Ranking) -> str:
 
 def _names(laws: Sequence[str]) -> str:
     return ", ".join(f"`{law}`" for law in laws)
+
+
+def _settled(one: Standing, row: Row) -> str:
+    return f"{one.settled}/{len(one.draws)}" if row["settles"] else "-"
 
 
 def _objective(one: Standing) -> str:

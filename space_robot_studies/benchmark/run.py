@@ -9,7 +9,7 @@ from pathlib import Path
 from space_robot_control.laws.registry import law_class
 from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.benchmark.spec import Benchmark, chosen
-from space_robot_studies.benchmark.table import Table, read_table, row_of
+from space_robot_studies.benchmark.table import Table, first_table, row_of
 from space_robot_studies.engine.hooks import StudyHooks
 from space_robot_studies.engine.storage import check_place
 from space_robot_studies.engine.tasks import TIME_LIMIT
@@ -51,7 +51,8 @@ def laws_of(benchmark: Benchmark, names: Sequence[str], folder: Path) -> dict[st
     found = {}
     for name in names:
         if ":" not in name:
-            found[chosen(name, benchmark.laws, "--law")] = benchmark.laws[name]
+            known = chosen(name, benchmark.laws, "--law")
+            found[known] = benchmark.laws[known]
             continue
         file, _, cls = name.rpartition(":")
         whole = f"{(folder / file).resolve()}:{cls}" if file.endswith(".py") else name
@@ -84,7 +85,7 @@ def run_benchmark(
         directory: new or empty, or to resume.
         laws: see ``laws_of``.
         tasks: only these; none: all.
-        table: of results, to enter the rows in; None: one in the directory.
+        table: of results, to enter the rows in; None: one in the directory. A new one begins with what is shipped.
         workers: local processes; None: one per core. They change no number.
         resume: go on with what is in the directory.
         time_limit: [s] of CPU time of an evaluation; ten times as much may elapse.
@@ -96,7 +97,7 @@ def run_benchmark(
     hooks, place = hooks or StudyHooks(), table or directory / TABLE
     check_place(directory, "a new or empty directory, or one to resume")
     wanted = {chosen(task, benchmark.tasks, "--task"): task for task in tasks} or dict.fromkeys(benchmark.tasks)
-    results = read_table(place, benchmark)
+    results = first_table(place, path, benchmark)
     tunings: dict[str, Tuning] = {task: benchmark.tuning(task, laws, path) for task in wanted}
     for task, tuning in tunings.items():
         check_directory(directory / task, tuning, resume=resume)

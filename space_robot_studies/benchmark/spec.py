@@ -38,6 +38,7 @@ class Task(Strict):
     experiment: str
     set: dict[str, Any] = Field(default_factory=dict, description="dotted key of the experiment -> value, for all runs")
     disperse: dict[str, Draw] = Field(default_factory=dict, description="dotted key -> how it is dispersed")
+    vary: Vary = Field(default_factory=dict, description=f"{VARY}; beside those of the set")
     objective: Objective = Field(default_factory=Objective, description="what is to be small")
     constraints: dict[str, PositiveFloat] = Field(default_factory=dict, description="number of a run -> largest value")
 
@@ -47,7 +48,7 @@ class Short(Strict):
 
     tasks: tuple[str, ...] = Field(min_length=1, description="of the set")
     laws: tuple[str, ...] = Field(min_length=1, description="of the set")
-    vary: Vary = Field(default_factory=dict, description=f"{VARY}; in place of that of the set")
+    vary: Vary = Field(default_factory=dict, description=f"{VARY}; in place of that of set and tasks")
     rules: Rules = Field(default_factory=Rules, description="in place of those of the set")
 
 
@@ -64,7 +65,7 @@ class Benchmark(Strict):
 
     def identity(self) -> dict[str, Any]:
         """What results must have in common to stand in one table: version, digest of tasks, and rules."""
-        tasks = {name: task.model_dump(mode="json") for name, task in self.tasks.items()}
+        tasks = {name: task.model_dump(mode="json", exclude={"vary"}) for name, task in self.tasks.items()}
         digest = sha256(json.dumps(tasks, sort_keys=True).encode()).hexdigest()
         return {"version": self.version, "tasks_sha256": digest, "rules": self.rules.model_dump()}
 
@@ -85,7 +86,7 @@ class Benchmark(Strict):
             experiment=one.experiment,
             set=one.set,
             disperse=one.disperse,
-            vary=self.vary,
+            vary=self.vary | one.vary,
             laws=dict(laws),
             objective=one.objective,
             constraints=one.constraints,
@@ -120,12 +121,19 @@ def load_benchmark(name_or_path: StrPath, *, short: bool = False, only: Sequence
         part = found.short
         if part is None:
             raise SpecError("names no short part", key="--short", value=str(name_or_path), accepted="a key short")
-        tasks = {chosen(name, found.tasks, "short.tasks"): found.tasks[name] for name in part.tasks}
+        tasks = {
+            chosen(name, found.tasks, "short.tasks"): found.tasks[name].model_copy(update={"vary": {}})
+            for name in part.tasks
+        }
         laws = {chosen(name, found.laws, "short.laws"): found.laws[name] for name in part.laws}
         found = found.model_copy(
             update={"tasks": tasks, "laws": laws, "vary": part.vary, "rules": part.rules, "short": None}
         )
-    return found.model_copy(update={"vary": _restricted(found.vary, only)})
+    wanted = _wanted(found, only)
+    tasks = {
+        name: task.model_copy(update={"vary": _restricted(task.vary, wanted)}) for name, task in found.tasks.items()
+    }
+    return found.model_copy(update={"vary": _restricted(found.vary, wanted), "tasks": tasks})
 
 
 def chosen(name: str, known: Mapping[str, Any], key: str) -> str:
@@ -140,18 +148,34 @@ def chosen(name: str, known: Mapping[str, Any], key: str) -> str:
     return name
 
 
-def _restricted(vary: Vary, only: Sequence[str]) -> Vary:
+def _wanted(benchmark: Benchmark, only: Sequence[str]) -> dict[str, list[str]]:
+    """Key of what is varied to the labels that were typed."""
+    sections = (benchmark.vary, *(task.vary for task in benchmark.tasks.values()))
+    labels: dict[str, dict[str, None]] = {}
+    for section in sections:
+        for key, values in section.items():
+            labels.setdefault(key, {}).update(dict.fromkeys(_labels(key, values)))
     wanted: dict[str, list[str]] = {}
     for text in only:
         key, _, label = text.partition("=")
-        wanted.setdefault(chosen(key, vary, "--only"), []).append(label)
+        if label not in labels[chosen(key, labels, "--only")]:
+            raise SpecError("is no value of it", key=f"--only {key}", value=label, accepted=", ".join(labels[key]))
+        wanted.setdefault(key, []).append(label)
+    return wanted
+
+
+def _restricted(vary: Vary, wanted: Mapping[str, Sequence[str]]) -> Vary:
+    """What is varied, of the wanted labels alone where there are some."""
     found: Vary = {}
     for key, values in vary.items():
-        labels = [str(point_at({key: values}, at).labels[key]) for at in range(len(values))]
-        for label in wanted.get(key, ()):
-            if label not in labels:
-                raise SpecError("is no value of it", key=f"--only {key}", value=label, accepted=", ".join(labels))
-        kept = [at for at, label in enumerate(labels) if key not in wanted or label in wanted[key]]
-        items = list(values.items()) if isinstance(values, dict) else list(values)
-        found[key] = dict(items[at] for at in kept) if isinstance(values, dict) else tuple(items[at] for at in kept)
+        kept = [at for at, label in enumerate(_labels(key, values)) if key not in wanted or label in wanted[key]]
+        if isinstance(values, dict):
+            items = list(values.items())
+            found[key] = dict(items[at] for at in kept)
+        else:
+            found[key] = tuple(values[at] for at in kept)
     return found
+
+
+def _labels(key: str, values: Any) -> list[str]:
+    return [str(point_at({key: values}, at).labels[key]) for at in range(len(values))]

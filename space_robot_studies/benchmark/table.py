@@ -88,6 +88,26 @@ def read_table(path: Path, benchmark: Benchmark) -> Table:
     return Table(identity, rows)
 
 
+def first_table(path: Path, file: Path, benchmark: Benchmark) -> Table:
+    """The table in a file; where there is none, that beside the benchmark file if it was made under the same rules.
+
+    Args:
+        path: of the table.
+        file: of the benchmark; ``v1.yaml`` has its results in ``v1.json``.
+        benchmark: whose rows are to be entered.
+
+    Raises:
+        SpaceRobotError: see ``read_table``.
+    """
+    if path.exists():
+        return read_table(path, benchmark)
+    try:
+        return read_table(file.with_suffix(".json"), benchmark)
+    except SpecError:
+        # A short part, or a set of the user's own beside something else.
+        return Table(benchmark.identity())
+
+
 def row_of(task: str, tuning: Tuning, stand: StandResult) -> dict[str, Any]:
     """What is kept of a law at a point of a task; the tuning is resolved."""
     experiment = tuning.experiment
@@ -123,4 +143,4 @@ def _digest(law: str) -> str | None:
         source = source_of(law_class(law))
     except SpaceRobotError:
         return None
-    return None if source is None else source.sha256
+    return None if source is None else source.digest
