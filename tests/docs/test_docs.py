@@ -130,7 +130,7 @@ def test_commands_of_the_tuning_page_work_in_their_order(tmp_path: Path, monkeyp
 
 
 def test_commands_of_the_benchmark_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A short part, a law of the user's own, and a part of the grid that goes on; a small set stands for the shipped."""
+    """A short part, a law of the user's own, a part of the grid; a small set stands for the shipped one."""
     task = {"experiment": "compare/mini", "set": {"duration": 2.0, "reference.duration": 1.0}}
     rules = {"budget": 1, "draws": 1, "held_out": 1}
     data = {"version": 1, "rules": rules, "vary": {"control_period": [1.0]}, "tasks": {"move_mini": task}}
