@@ -28,7 +28,7 @@ $(VENV)/bin/uv:
 	$(BIN)/python -m pip install -q --disable-pip-version-check 'uv>=0.4'
 
 $(VENV)/.run: pyproject.toml setup.py | $(VENV)/bin/uv
-	$(BIN)/uv pip install -q --compile-bytecode --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,view,robots,campaign,pandas]'
+	$(BIN)/uv pip install -q --compile-bytecode --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,view,robots,campaign,mpc,pandas]'
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml setup.py | $(VENV)/bin/uv

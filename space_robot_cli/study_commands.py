@@ -137,6 +137,52 @@ def tune(
 
 
 @app.command()
+def benchmark(
+    file: Annotated[
+        str,
+        typer.Argument(help="shipped name or YAML file", autocompletion=shipped_names("benchmarks")),
+    ] = "v1",
+    law: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--law", metavar="NAME", help="of the set, or module:Class, file.py:Class; may be given more than once"
+        ),
+    ] = None,
+    task: Annotated[
+        list[str] | None, typer.Option("--task", metavar="NAME", help="only this task; may be given more than once")
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--only", metavar="KEY=LABEL", help="only these points of what is varied, e.g. control_period=0.5"
+        ),
+    ] = None,
+    short: Annotated[bool, typer.Option("--short", help="the part of the set that is over in minutes")] = False,
+    table: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="results to enter the rows in; default table.json in --out")
+    ] = None,
+    workers: WorkersOption = None,
+    directory: Annotated[Path, typer.Option("--out", help="directory of the searches")] = Path("out/benchmark"),
+    resume: ResumeOption = False,
+    time_limit: TimeLimitOption = None,
+    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write all tables")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Tune laws under equal rules and judge them in pairs."""
+    single_threaded()
+    from space_robot_bringup.public.calls import needing
+
+    with needing("benchmark", "campaign"):
+        from space_robot_cli.benchmark import Options, run
+    from space_robot_cli.study_options import StudyOptions
+
+    shared = StudyOptions(workers, resume, time_limit, markdown, as_json)
+    laws, tasks, points = (tuple(some or ()) for some in (law, task, only))
+    if not run(Options(file, directory, shared, laws, tasks, points, short, table), out, err):
+        raise typer.Exit(FAILED)
+
+
+@app.command()
 def reproduce(
     paper: Annotated[
         str,

@@ -15,7 +15,7 @@ _FIXED = "fixed"
 
 
 def count_joints(data: Mapping[str, Any], folder: Path) -> int:
-    """The joints with a coordinate: those of the URDFs but the fixed ones, those the file locks, and what follows others.
+    """The joints with a coordinate: those of the URDFs but fixed ones, those the file locks, and what follows others.
 
     Args:
         data: content of a robot file whose ``urdf``, or that of each of its ``arms``, names a URDF file.

@@ -29,12 +29,15 @@ BUILT_IN = {
     "computed_torque": "space_robot_control.laws.computed_torque.law:ComputedTorque",
     "damped_hold": "space_robot_control.laws.damped_hold.law:DampedHold",
     "detumble": "space_robot_control.laws.detumble.law:Detumble",
+    "lqr": "space_robot_control.laws.lqr.law:Lqr",
     "mfac": "space_robot_control.laws.mfac.law:ModelFree",
+    "mpc": "space_robot_control.laws.mpc.law:LinearMpc",
     "none": "space_robot_control.laws.zero_command:ZeroCommand",
     "ntsmc": "space_robot_control.laws.ntsmc.quaternion_law:Ntsmc",
     "ntsmc_euler": "space_robot_control.laws.ntsmc.euler_law:NtsmcEuler",
     "park": "space_robot_control.laws.park.law:Park",
     "pd": "space_robot_control.laws.pd.law:ProportionalDerivative",
+    "reaction_null_space": "space_robot_control.laws.reaction_null_space.law:ReactionNullSpace",
 }
 
 
