@@ -54,11 +54,26 @@ def run(
         ),
     ] = None,
     directory: Annotated[
-        Path | None, typer.Option("--out", help="run directory; default runs/<name>, numbered where a run is in it")
+        Path | None,
+        typer.Option("--out", "-o", help="run directory; default runs/<name>, numbered where a run is in it"),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a run that is in the run directory")] = False,
     realtime: Annotated[
         float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
+    ] = None,
+    failover: Annotated[
+        int,
+        typer.Option(
+            metavar="PERIODS",
+            help="with --mode processes --realtime: a second controller takes over when one was silent for so long",
+        ),
+    ] = 0,
+    chaos: Annotated[
+        int | None,
+        typer.Option(
+            metavar="SEED",
+            help="with --mode processes --realtime: kill, stop and restart processes, as drawn from this seed",
+        ),
     ] = None,
     set_: SetOption = None,
     fault: FaultOption = None,
@@ -92,12 +107,13 @@ def run(
     mode = mode or ("headless" if campaign_directory is None else "graph")
     if timeout is not None and not 0.0 < timeout < float("inf"):
         raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
-    from space_robot_bringup.modes.run import check_pace
+    from space_robot_bringup.modes.run import check_pace, check_processes
     from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render.suites import run_suite
     from space_robot_studies.campaign.rerun import differences
 
     check_pace(mode, realtime)
+    check_processes(mode, realtime, failover, chaos)
     check_live(mode, foxglove)
     check_junit(junit)
     if campaign_directory is not None and index is not None and not (experiment or set_ or fault or duration):
@@ -112,7 +128,8 @@ def run(
     place = _place(name, directory, overwrite=overwrite)
     own = campaign_directory is None
     live = Live(name, port if view else None, foxglove, own=own, open_browser=view and not no_browser)
-    result = _run(spec, place, mode, realtime, policy, live, timeout=timeout, debug=debug, quiet=as_json)
+    pace: dict[str, Any] = {"realtime": realtime, "failover": failover, "chaos": chaos}
+    result = _run(spec, place, mode, pace, policy, live, timeout=timeout, debug=debug, quiet=as_json)
     write_junit(junit, [run_suite(name, spec, mode, result)] if junit is not None else ())
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
@@ -180,7 +197,7 @@ def _run(
     spec: Experiment,
     place: Path,
     mode: Any,
-    realtime: float | None,
+    pace: dict[str, Any],
     policy: LawPolicy,
     live: Live,
     *,
@@ -211,7 +228,7 @@ def _run(
             hooks = replace(hooks, on_failure=_show_trace, debug=True)
         composition = compose(spec, policy)
         with shown(composition, mode, live):
-            return run_composition(composition, place, mode=mode, realtime=realtime, hooks=hooks)
+            return run_composition(composition, place, mode=mode, hooks=hooks, **pace)
 
 
 def _show_trace(error: BaseException) -> None:

@@ -84,13 +84,6 @@ class StampJoiner(Generic[T]):
         later = [one for one, items in self._open.items() if one > stamp and part_index in items]
         self._giving_way.update((part_index, one) for one in later)
 
-    def drop_before(self, stamp: int) -> int:
-        """Give up incomplete stamps older than this one [ns]; return how many."""
-        old = [one for one in self._open if one < stamp]
-        for one in old:
-            del self._open[one]
-        return len(old)
-
     def clear(self) -> None:
         """Forget everything but the count of dropped stamps, as at the start of a run."""
         self._open.clear()

@@ -12,6 +12,9 @@ from typing import Any
 import pytest
 
 from space_robot_cli.main import main
+
+# Loaded before any test: `check` leaves kernels that nothing has loaded yet without a compiler.
+from space_robot_description.kernel import jit  # noqa: F401
 from tests.support.follow import Spawn, ended
 from tests.support.tool import Tool
 

@@ -12,7 +12,7 @@ import viser
 from space_robot_description.triangles import triangles_of
 from space_robot_description.visual import Look
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_report.playback import joint_axes
+from space_robot_report.playback import efforts_by_joint, joint_axes
 from space_robot_report.viewer.motion import Moment
 from space_robot_report.viewer.visualizer import GhostVisualizer, RobotVisualizer
 
@@ -112,7 +112,8 @@ class Stage:
         placements, arrows = self._robot.data.oMi, []
         base = placements[1]
         arrows.append((base.translation, 1.1 * self.size * base.rotation @ moment.torque))
-        for joint, (axis, effort) in enumerate(zip(self._axes, moment.efforts, strict=True), start=2):
+        efforts = efforts_by_joint(self._robot.model, moment.efforts)
+        for joint, (axis, effort) in enumerate(zip(self._axes, efforts, strict=True), start=2):
             place = placements[joint]
             arrows.append((place.translation, 0.6 * self.size * effort * place.rotation @ axis))
         long = [(at, at + push) for at, push in arrows if np.linalg.norm(push) > MIN_LENGTH * self.size]
