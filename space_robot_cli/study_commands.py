@@ -30,7 +30,7 @@ def campaign(
     runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
     workers: WorkersOption = None,
     scheduler: Annotated[str | None, typer.Option(help="address of a Dask scheduler instead of local workers")] = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="directory; default runs/<name>")] = None,
     resume: ResumeOption = False,
     set_: SetOption = None,
     keep: Annotated[
@@ -82,11 +82,11 @@ def campaign(
 def compare_laws(
     files: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[FILE]...", help="campaigns that vary the law; default: compare_mini compare_servicer"),
+        typer.Argument(metavar="FILE", help="campaigns that vary the law; default: compare_mini compare_servicer"),
     ] = None,
     runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
     workers: WorkersOption = None,
-    directory: Annotated[Path, typer.Option("--out", help="directory")] = Path("out/compare"),
+    directory: Annotated[Path, typer.Option("--out", "-o", help="directory")] = Path("out/compare"),
     resume: ResumeOption = False,
     time_limit: TimeLimitOption = None,
     metric: Annotated[
@@ -117,7 +117,7 @@ def tune(
         int | None, typer.Option(help="evaluations per law and point of the grid; default: what the file says")
     ] = None,
     workers: WorkersOption = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="directory; default runs/<name>")] = None,
     resume: ResumeOption = False,
     time_limit: TimeLimitOption = None,
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write the table")] = None,
@@ -191,7 +191,7 @@ def reproduce(
     figure: Annotated[
         list[str] | None, typer.Option("--figure", metavar="N", help="only this figure; may be given more than once")
     ] = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="report directory; default out/<paper>")] = None,
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="report directory; default out/<paper>")] = None,
     workers: WorkersOption = None,
     resume: Annotated[bool, typer.Option("--resume", help="keep the finished runs that are still the same")] = False,
     time_limit: TimeLimitOption = None,
