@@ -92,7 +92,7 @@ def _show(out: Console, result: BenchmarkResult, benchmark: Benchmark) -> None:
             title = ", ".join(part for part in (benchmark.tasks[task].title or task, words(rows[0]["point"])) if part)
             grid = Grid(box=SIMPLE_HEAD, title=markup(title), title_justify="left")
             for place, heading in enumerate(HEADINGS):
-                grid.add_column(heading, justify="right" if place else "left")
+                grid.add_column(heading, justify="right" if place else "left", no_wrap=not place)
             for row in cells_of(rows):
                 grid.add_row(*map(markup, row))
             out.print(grid)
