@@ -1,19 +1,23 @@
-"""What is shipped, with a line on each."""
+"""What is shipped, with a line on each.
+
+The lines come from the files as they are: to check all of them as their runs do takes a second, and `check` does it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
-from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_description.load import load_robot
+from space_robot_bringup.experiment.base import with_base
+from space_robot_description.joint_count import count_joints
 from space_robot_description.share import config_dir, shipped
-from space_robot_description.validation import nearest, parse_yaml, validate
+from space_robot_description.yaml_files import nearest, parse_yaml
+from space_robot_msgs_py.bounded_files import read_text
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_sim.faults.catalogue import common_keys, groups, keys_of, meaning
-from space_robot_studies.campaign.spec import read_campaign
-from space_robot_studies.reproduce.plan import manifest_path, read_manifest
-from space_robot_studies.tune.spec import read_tuning
-from space_robot_supervisor.table import SupervisionTable
+from space_robot_msgs_py.limits import YAML_BYTES
+from space_robot_msgs_py.yaml_heads import top_texts
+from space_robot_studies.campaign.run_count import runs_of
 
 
 def catalogue(kind: str = "", beginning: str = "") -> dict[str, dict[str, str]]:
@@ -27,6 +31,7 @@ def catalogue(kind: str = "", beginning: str = "") -> dict[str, dict[str, str]]:
         "papers": _paper,
         "campaigns": _campaign,
         "tuning": _tuning,
+        "benchmarks": _benchmark,
         "supervision": _table,
         "robots": _robot,
     }
@@ -41,6 +46,9 @@ def catalogue(kind: str = "", beginning: str = "") -> dict[str, dict[str, str]]:
 
 def faults(beginning: str = "") -> Iterator[str]:
     """Every kind of fault with its keys, as lines."""
+    # Here, because models of all files take their time to be made, and only these lines need them.
+    from space_robot_sim.faults.catalogue import common_keys, groups, keys_of, meaning
+
     wanted = _beginning([kind for kinds in groups().values() for kind in kinds], beginning)
     for group, kinds in groups().items():
         if not set(kinds).isdisjoint(wanted):
@@ -81,32 +89,58 @@ def _beginning(names: Sequence[str], beginning: str) -> list[str]:
 
 
 def _experiment(name: str) -> str:
-    spec = load_experiment(name)
-    return f"{spec.title} ({spec.source})" if spec.source else spec.title
+    head: Mapping[str, Any] = _head("experiments", name, "title", "source")
+    if len(head) < 2:
+        path = _path("experiments", name)
+        head = with_base(parse_yaml(path), path.parent, str(path))
+    title, source = _line(head, "title"), _line(head, "source")
+    return f"{title} ({source})" if source else title
 
 
 def _paper(name: str) -> str:
-    manifest = read_manifest(manifest_path(name), name)
-    return f"{manifest.title} ({manifest.citation})"
+    head = _head("papers", name, "title", "citation")
+    return f"{_line(head, 'title')} ({_line(head, 'citation')})"
+
+
+def _benchmark(name: str) -> str:
+    return _line(_head("benchmarks", name, "title"), "title")
 
 
 def _tuning(name: str) -> str:
-    return read_tuning(name).title
+    return _line(_head("tuning", name, "title"), "title")
 
 
 def _campaign(name: str) -> str:
-    spec = read_campaign(name)
-    return f"{spec.runs} runs: {spec.title}"
+    spec = _content("campaigns", name)
+    return f"{runs_of(spec)} runs: {_line(spec, 'title')}"
 
 
 def _table(name: str) -> str:
-    return validate(SupervisionTable, parse_yaml(config_dir() / "supervision" / f"{name}.yaml"), name).title
+    return _line(_head("supervision", name, "title"), "title")
 
 
 def _robot(name: str) -> str:
+    data, folder = _content("robots", name), config_dir() / "robots"
     # A robot whose arm comes with a package that is not installed here is shipped all the same.
     try:
-        robot = load_robot(name)
+        joints = count_joints(data, folder)
     except SpaceRobotError as error:
         return f"not available here: {error}"
-    return f"{robot.n} joints, {robot.base_mode}; {robot.resolved['description']}"
+    return f"{joints} joints, {_line(data, 'base_mode')}; {_line(data, 'description')}"
+
+
+def _path(kind: str, name: str) -> Path:
+    return config_dir() / kind / f"{name}.yaml"
+
+
+def _content(kind: str, name: str) -> dict[str, Any]:
+    return parse_yaml(_path(kind, name))
+
+
+def _head(kind: str, name: str, *keys: str) -> dict[str, str]:
+    path = _path(kind, name)
+    return top_texts(read_text(path, YAML_BYTES), keys, str(path))
+
+
+def _line(data: Mapping[str, Any], key: str) -> str:
+    return str(data.get(key, ""))

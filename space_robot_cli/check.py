@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.compose.composition import compose
-from space_robot_bringup.compose.diagnosis import diagnose
+from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.compose.diagnosis import all_of, diagnosed
 from space_robot_bringup.compose.foresight import foreseen
 from space_robot_bringup.compose.memory import what_is_not_forgotten
-from space_robot_bringup.experiment.experiment import Experiment, file_schema, load_experiment, with_faults
-from space_robot_bringup.modes.compilation import notice
-from space_robot_description.share import is_file, shipped
-from space_robot_description.spec import Strict
-from space_robot_description.validation import parse_yaml
-from space_robot_msgs_py.errors import SpecError
-from space_robot_studies.campaign.cases import check_cases
-from space_robot_studies.campaign.spec import Campaign, load_campaign
-from space_robot_studies.reproduce.check import check_plan
-from space_robot_studies.reproduce.manifest import Manifest
-from space_robot_studies.reproduce.plan import Plan, load_plan
-
-KINDS: dict[str, type[Strict]] = {"experiment": Experiment, "campaign": Campaign, "paper": Manifest}
-FOLDERS = {"experiment": "experiments", "campaign": "campaigns", "paper": "papers"}
+from space_robot_bringup.experiment.experiment import read_experiment
+from space_robot_cli.kinds import FOLDERS
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,33 +30,10 @@ class Checked:
     warnings: tuple[str, ...] = ()
 
 
-def kind_of(name_or_path: str) -> str:
-    """``experiment``, ``campaign`` or ``paper``: by the keys of a file, by the folder of a shipped name.
-
-    A name that is shipped as an experiment and as a campaign is the experiment.
-    """
-    if is_file(path := Path(name_or_path)):
-        data: Any = parse_yaml(path)
-        return "paper" if "figures" in data else "campaign" if "experiment" in data else "experiment"
-    return next((kind for kind, folder in FOLDERS.items() if name_or_path in shipped(folder)), "experiment")
-
-
-def schema_of(kind: str) -> dict[str, Any]:
-    """The JSON schema of a kind of file.
-
-    Raises:
-        SpecError: there is no such kind.
-    """
-    if kind not in KINDS:
-        raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join(KINDS))
-    return file_schema() if kind == "experiment" else KINDS[kind].model_json_schema()
-
-
 def check_file(
     name_or_path: str,
     kind: str,
     overrides: Sequence[str] = (),
-    on_notice: Callable[[str], None] = lambda line: None,
     faults: Sequence[str] = (),
 ) -> Checked:
     """Check everything that can be checked before a run.
@@ -77,27 +42,47 @@ def check_file(
         name_or_path: shipped name or YAML file.
         kind: see ``kind_of``.
         overrides: ``dotted.key=value`` of an experiment.
-        on_notice: called with what has to be compiled before the answer.
         faults: of an experiment, as ``--fault`` takes them.
 
     Raises:
         SpaceRobotError: what is wrong; the message names the key.
     """
-    if kind not in KINDS:
-        raise SpecError("no such kind", key="--kind", value=kind, accepted=", ".join(KINDS))
+    if kind not in FOLDERS:
+        raise SpecError("no such kind", key="--kind", value=kind, accepted=", ".join(FOLDERS))
     for option, given in (("--set", overrides), ("--fault", faults)):
         if given and kind != "experiment":
             raise SpecError("is for experiments", key=option, value=list(given), accepted=f"keys in the {kind}'s file")
     if kind == "experiment":
-        return _experiment(with_faults(load_experiment(name_or_path, overrides), faults), on_notice)
-    return _campaign(load_campaign(name_or_path)) if kind == "campaign" else _paper(load_plan(name_or_path))
+        return _experiment(_diagnosed(name_or_path, overrides, faults))
+    return _campaign(name_or_path) if kind == "campaign" else _paper(name_or_path)
 
 
-def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
-    if line := notice(spec.controller.law_names, plant=False):
-        on_notice(line)
-    diagnose(spec)
-    composition = compose(spec)
+def _diagnosed(name_or_path: str, overrides: Sequence[str], typed: Sequence[str]) -> Composition:
+    """The experiment, composed, if nothing is wrong with it."""
+    # Here, as only an experiment with faults of the command line needs the models of all faults.
+    from space_robot_sim.faults.catalogue import parse_fault
+
+    file = read_experiment(name_or_path)
+    data, errors, faults = file.data(overrides), list[SpaceRobotError](), list[Any]()
+    for text in typed:
+        try:
+            faults.append(parse_fault(text))
+        except SpaceRobotError as error:
+            errors.append(error)
+    given = data.get("faults", [])
+    if faults and isinstance(given, list):
+        data["faults"] = [*given, *faults]
+    try:
+        composition = diagnosed(data, file.where)
+    except SpaceRobotError as first:
+        errors.insert(0, first)
+    if errors:
+        raise all_of(errors)
+    return composition
+
+
+def _experiment(composition: Composition) -> Checked:
+    spec = composition.experiment
     nominal, review = composition.nominal, composition.review()
     summary = (
         f"{nominal.name}, {nominal.n} joints, {spec.controller.law}, {spec.steps} periods of {spec.control_period:g} s"
@@ -108,7 +93,11 @@ def _experiment(spec: Experiment, on_notice: Callable[[str], None]) -> Checked:
     return Checked(summary, nominal.notes + review.facts + faults, (*review.warnings, *memory, *foreseen(composition)))
 
 
-def _campaign(campaign: Campaign) -> Checked:
+def _campaign(name_or_path: str) -> Checked:
+    from space_robot_studies.campaign.cases import check_cases
+    from space_robot_studies.campaign.spec import load_campaign
+
+    campaign = load_campaign(name_or_path)
     firsts = check_cases(campaign)
     facts = tuple(f"varies {key}: {', '.join(map(str, values))}" for key, values in campaign.vary.items())
     facts += tuple(f"draws {key}" for key in campaign.disperse)
@@ -119,7 +108,11 @@ def _campaign(campaign: Campaign) -> Checked:
     return Checked(summary, facts, tuple(warnings))
 
 
-def _paper(plan: Plan) -> Checked:
+def _paper(name_or_path: str) -> Checked:
+    from space_robot_studies.reproduce.check import check_plan
+    from space_robot_studies.reproduce.plan import load_plan
+
+    plan = load_plan(name_or_path)
     check_plan(plan, plan.manifest.figures)
     facts = tuple(
         f"{figure}: {spec.title} ({sum(map(len, plan.runs[figure].values()))} runs, {len(spec.claims)} claims)"

@@ -1,150 +1,36 @@
-"""The command line: it parses, calls the library and prints; nothing else.
-
-Imports of the library stand inside the commands: numba and Pinocchio take a second to load, and ``--help`` needs none.
-"""
+"""The command line: it parses, calls the library and prints; nothing else."""
 
 from __future__ import annotations
 
-import json
+import gc
 import os
 import signal
 import sys
-from pathlib import Path
-from typing import Annotated, Never
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Never
 
 import typer
 
-import space_robot_cli.log_commands
-import space_robot_cli.run_command
-import space_robot_cli.study_commands  # noqa: F401  (their commands belong to the same application)
 from space_robot_bringup.modes.signals import Interrupted, raising
-from space_robot_cli.app import (
-    BAD_INPUT,
-    FAILED,
-    FaultOption,
-    JsonOption,
-    SetOption,
-    app,
-    err,
-    out,
-    warn,
-)
-from space_robot_cli.completion import choices, shipped_names
+from space_robot_cli.app import BAD_INPUT, FAILED, app, err
+from space_robot_cli.commands import load_commands
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError
 
-LISTED = ("experiments", "papers", "campaigns", "tuning", "supervision", "robots", "laws", "faults")
-FILES, STARTS = ("experiment", "campaign", "paper"), ("experiment", "law", "robot", "study")
 # What typer makes of a KeyboardInterrupt.
 INTERRUPTED = 130
-
-
-@app.command("list")
-def list_shipped(
-    kind: Annotated[
-        str,
-        typer.Argument(
-            help=f"{', '.join(LISTED[:-1])} or {LISTED[-1]}; default: all but the last two",
-            autocompletion=choices(LISTED),
-        ),
-    ] = "",
-    name: Annotated[str, typer.Argument(help="only names that begin with this, e.g. liu2023")] = "",
-) -> None:
-    """List what is shipped, and explain laws and faults."""
-    from space_robot_cli.catalogue import EXPLAINED, catalogue
-
-    if kind in EXPLAINED:
-        for line in EXPLAINED[kind](name):
-            out.print(line, markup=False, soft_wrap=True)
-        return
-    for heading, rows in catalogue(kind, name).items():
-        out.print(heading, style="bold")
-        for shipped, title in rows.items():
-            out.print(f"  {shipped:<34}{title}", markup=False, soft_wrap=True)
-
-
-@app.command()
-def check(
-    file: Annotated[
-        str,
-        typer.Argument(
-            help="experiment, campaign or paper: shipped name or YAML file",
-            autocompletion=shipped_names("experiments", "campaigns", "papers"),
-        ),
-    ],
-    set_: SetOption = None,
-    fault: FaultOption = None,
-    kind: Annotated[
-        str,
-        typer.Option(help="experiment, campaign or paper; default: what it looks like", autocompletion=choices(FILES)),
-    ] = "",
-) -> None:
-    """Check an experiment, campaign or paper without running it."""
-    from space_robot_cli.check import check_file, kind_of
-
-    try:
-        checked = check_file(file, kind or kind_of(file), set_ or (), err.print, faults=fault or ())
-    except SpaceRobotError as error:
-        for problem in error.problems or (error,):
-            err.print(f"space-robot: {problem}", style="red", markup=False, soft_wrap=True)
-        raise typer.Exit(BAD_INPUT) from None
-    out.print(f"{file}: fine. {checked.summary}", markup=False, soft_wrap=True)
-    for line in checked.facts:
-        out.print(f"  {line}", markup=False, soft_wrap=True)
-    for warning in checked.warnings:
-        warn(warning)
-
-
-@app.command()
-def robot(
-    file: Annotated[str, typer.Argument(help="shipped name or YAML file", autocompletion=shipped_names("robots"))],
-    as_json: JsonOption = False,
-) -> None:
-    """Print mass, inertia, momentum, reach, coupling of a robot.
-
-    The coupling is the condition of the part of the mass matrix that ties the base to the arm.
-    """
-    from space_robot_cli.render import run as render
-    from space_robot_description.load import load_robot
-    from space_robot_description.report import robot_report
-
-    report = robot_report(load_robot(file))
-    if as_json:
-        print(json.dumps(report.to_dict(), allow_nan=False))
-    else:
-        render.robot(out, report)
-        for warning in report.warnings:
-            warn(warning)
-
-
-@app.command()
-def schema(
-    kind: Annotated[
-        str, typer.Argument(help="experiment, campaign or paper", autocompletion=choices(FILES))
-    ] = "experiment",
-) -> None:
-    """Print the JSON schema of a kind of file, for editors."""
-    from space_robot_cli.check import schema_of
-
-    print(json.dumps(schema_of(kind), indent=2))
-
-
-@app.command()
-def new(
-    kind: Annotated[str, typer.Argument(help="experiment, law, robot or study", autocompletion=choices(STARTS))],
-    name: Annotated[Path, typer.Argument(help="of the file, e.g. my_law")],
-) -> None:
-    """Write a working, commented start for a file of your own."""
-    from space_robot_cli.new import write_new
-
-    for path in write_new(kind, name):
-        out.print(f"written: {path}", markup=False, soft_wrap=True)
+# Modules and files that were read stay: to look through them for garbage every 700 objects takes a tenth of a start.
+NEW_OBJECTS = 50_000
 
 
 def main() -> Never:
     """Entry point: one line per error, exit 2 on bad input, 1 on a signal, no traceback."""
     try:
-        with raising(signal.SIGINT, signal.SIGTERM):
+        with raising(signal.SIGINT, signal.SIGTERM), _few_collections():
+            # Else pydantic asks every installed distribution for plugins, which are code that would see what files say.
+            os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
+            load_commands(sys.argv[1] if len(sys.argv) > 1 else "")
             # Without standalone mode an Exit of a command is what app returns.
             code = app(prog_name="space-robot", standalone_mode=False)
     except SpaceRobotError as error:
@@ -176,3 +62,13 @@ def main() -> Never:
         err.print("space-robot: interrupted", style="red", markup=False)
         sys.exit(FAILED)
     sys.exit(code or 0)
+
+
+@contextmanager
+def _few_collections() -> Iterator[None]:
+    before = gc.get_threshold()
+    gc.set_threshold(NEW_OBJECTS, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import dist
 
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.kernel.joints import joint_axes
+from space_robot_description.mimic import Mimic
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Vector
 
@@ -28,8 +31,9 @@ class Reach:
     sampled: float
 
 
-def reach_of(robot: Robot) -> Reach:
-    """Reach of ``robot.tool_frame``; deterministic."""
+def reach_of(robot: Robot, link: str = "") -> Reach:
+    """Reach of a link, by default of ``robot.tool_frame``; deterministic."""
+    robot = replace(robot, tool_frame=link or robot.tool_frame)
     chain = _chain(robot)
     if not chain:
         return Reach(0.0, 0.0)
@@ -53,9 +57,12 @@ def _chain(robot: Robot) -> list[int]:
 def _sum_bound(robot: Robot, chain: list[int]) -> float:
     steps = [robot.model.jointPlacements[index].translation for index in chain[1:]]
     total = float(sum(np.linalg.norm(step) for step in [*steps, _tool(robot)[1]]))
-    for index in chain:
-        if robot.model.joints[index].shortname().startswith("JointModelP"):
-            total += float(max(abs(robot.joint_lower[index - 2]), abs(robot.joint_upper[index - 2])))
+    _, slides = joint_axes(robot.model)
+    for index in [index for index in chain if slides[index - 2]]:
+        mimic = robot.mimics.get(robot.model.names[index], Mimic("", 1.0, 0.0))
+        coordinate = robot.model.joints[index].idx_v - 6
+        lower, upper = float(robot.joint_lower[coordinate]), float(robot.joint_upper[coordinate])
+        total += max(abs(mimic.multiplier * end + mimic.offset) for end in (lower, upper))
     return total
 
 
@@ -69,7 +76,7 @@ def _sampled(robot: Robot, chain: list[int]) -> float:
     candidates = [robot.home.copy(), *postures]
     best = max(candidates, key=distances)
     for _ in range(2):
-        for index in [joint - 2 for joint in chain]:
+        for index in dict.fromkeys(robot.model.joints[joint].idx_v - 6 for joint in chain):
             trials = [best]
             for value in np.linspace(lower[index], upper[index], 73):
                 trial = best.copy()
@@ -83,15 +90,15 @@ class _Distances:
     """Distance of the tool from the origin of the first joint, as a function of the joint positions."""
 
     def __init__(self, robot: Robot, first: int) -> None:
-        self._model, self._data, self._first = robot.model, robot.model.createData(), first
+        self._model, self._data = robot.model, robot.model.createData()
         self._joint, self._offset = _tool(robot)
         self._q = pin.neutral(robot.model)
+        pin.forwardKinematics(self._model, self._data, self._q)
+        # A first joint that slides takes its frame along; its placement on the base stands still.
+        base = self._data.oMi[self._model.parents[first]]
+        self._root = base.act(self._model.jointPlacements[first].translation)
 
     def __call__(self, joints: Vector) -> float:
         self._q[7:] = joints
         pin.forwardKinematics(self._model, self._data, self._q)
-        tool = self._data.oMi[self._joint].act(self._offset)
-        # A first joint that slides takes its frame along; its placement on the parent stands still.
-        parent = self._data.oMi[self._model.parents[self._first]]
-        root = parent.act(self._model.jointPlacements[self._first].translation)
-        return float(np.linalg.norm(tool - root))
+        return dist(self._data.oMi[self._joint].act(self._offset), self._root)

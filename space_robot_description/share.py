@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import unquote
 
-from space_robot_description.validation import nearest
+from space_robot_description.yaml_files import nearest
 from space_robot_msgs_py.bounded_files import is_file as is_file
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import InputFileError

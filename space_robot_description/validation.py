@@ -1,57 +1,22 @@
-"""YAML in, typed models out; every complaint is one line that names the key, the value and what would be accepted."""
+"""Data in, typed models out; every complaint is one line that names the key, the value and what would be accepted."""
 
 from __future__ import annotations
 
-import difflib
-import math
 import types
-from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
 from space_robot_description.complaints import accepted_by
-from space_robot_msgs_py.bounded_files import read_text
-from space_robot_msgs_py.bounded_yaml import load_yaml
+from space_robot_description.yaml_files import nearest as nearest
+from space_robot_description.yaml_files import parse_yaml as parse_yaml
+from space_robot_description.yaml_files import parse_yaml_text as parse_yaml_text
+from space_robot_description.yaml_files import parse_yaml_value as parse_yaml_value
+from space_robot_description.yaml_files import short_value
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_msgs_py.limits import YAML_BYTES
 
 Model = TypeVar("Model", bound=BaseModel)
-
-
-def parse_yaml(path: Path | str) -> dict[str, Any]:
-    """Read a YAML 1.2 file whose top level is a mapping.
-
-    Raises:
-        InputFileError: the file is missing, too large or cannot be read.
-        SpecError: not YAML (with line and column), a key twice, not a mapping, or a NaN or infinity in it.
-    """
-    return parse_yaml_text(read_text(Path(path), YAML_BYTES), str(path))
-
-
-def parse_yaml_text(text: str, where: str) -> dict[str, Any]:
-    """Parse YAML text whose top level is a mapping; ``where`` names it in errors.
-
-    Raises:
-        SpecError: see `parse_yaml`.
-    """
-    data = parse_yaml_value(text, where)
-    if not isinstance(data, dict):
-        raise SpecError("the file does not hold a mapping", key=where, value=_short(data), accepted="key: value lines")
-    if found := _non_finite(data, ()):
-        key = f"{where} {'.'.join(found[0])}"
-        raise SpecError("not a finite number", key=key, value=found[1], accepted="finite numbers")
-    return data
-
-
-def parse_yaml_value(text: str, where: str) -> Any:
-    """Parse YAML text that may be anything: a mapping, a list, a number; ``where`` names it in errors.
-
-    Raises:
-        SpecError: not YAML (with line and column), a key twice, or beyond a limit; see ``load_yaml``.
-    """
-    return load_yaml(text, where)
 
 
 def validate(model_class: type[Model], data: object, where: str) -> Model:
@@ -70,12 +35,16 @@ def validate(model_class: type[Model], data: object, where: str) -> Model:
     try:
         return model_class.model_validate(data)
     except ValidationError as error:
-        by_path: dict[tuple[str | int, ...], list[Any]] = {}
-        # A misspelt key is also a missing one: the spelling is the cause.
-        for problem in sorted(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden"):
-            by_path.setdefault(_data_path(problem, data), []).append(problem)
-        errors = [_spec_error(model_class, same, path, where) for path, same in by_path.items()]
-        raise with_others(errors) from None
+        raise refusal(model_class, error, data, where) from None
+
+
+def refusal(model_class: type[BaseModel], error: ValidationError, data: object, where: str) -> SpaceRobotError:
+    """What ``validate`` raises, of what pydantic raised."""
+    by_path: dict[tuple[str | int, ...], list[Any]] = {}
+    # A misspelt key is also a missing one: the spelling is the cause.
+    for problem in sorted(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden"):
+        by_path.setdefault(_data_path(problem, data), []).append(problem)
+    return with_others([_spec_error(model_class, same, path, where) for path, same in by_path.items()])
 
 
 def with_others(errors: Sequence[SpaceRobotError]) -> SpaceRobotError:
@@ -87,11 +56,6 @@ def with_others(errors: Sequence[SpaceRobotError]) -> SpaceRobotError:
     summed = type(first)(message, key=first.key, value=first.value, accepted=first.accepted)
     summed.problems = tuple(errors)
     return summed
-
-
-def nearest(name: object, names: Iterable[str]) -> str:
-    """Up to three names that look like the given one, comma separated; empty if none does."""
-    return ", ".join(difflib.get_close_matches(str(name), list(names), n=3, cutoff=0.5))
 
 
 def _spec_error(
@@ -114,7 +78,7 @@ def _spec_error(
         return SpecError("is required and missing", key=key)
     # A value that fits no member of a union yields one problem per member.
     texts = dict.fromkeys(map(accepted_by, same))
-    return SpecError("not accepted", key=key, value=_short(first["input"]), accepted=", or ".join(texts))
+    return SpecError("not accepted", key=key, value=short_value(first["input"]), accepted=", or ".join(texts))
 
 
 def _data_path(problem: Mapping[str, Any], data: object) -> tuple[str | int, ...]:
@@ -169,21 +133,3 @@ def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
         get_args(info.annotation) for info in model.model_fields.values() if get_origin(info.annotation) is Literal
     ]
     return tuple(values[0] for values in literals if len(values) == 1)
-
-
-def _non_finite(value: object, path: tuple[str, ...]) -> tuple[tuple[str, ...], float] | None:
-    """Path and value of the first NaN or infinity, depth first; the number of paths is bounded, see ``load_yaml``."""
-    if isinstance(value, float):
-        return None if math.isfinite(value) else (path, value)
-    if not isinstance(value, dict | list):
-        return None
-    children = value.items() if isinstance(value, dict) else enumerate(value)
-    for name, child in children:
-        if found := _non_finite(child, (*path, str(name))):
-            return found
-    return None
-
-
-def _short(value: object) -> object:
-    """Long values would bury the message."""
-    return value if len(repr(value)) <= 80 else f"{repr(value)[:77]}..."

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from importlib.metadata import PackageNotFoundError, distribution
 from urllib.parse import unquote, urlsplit
 
 PROJECT = "space-robot"
@@ -19,6 +18,9 @@ def install(extra: str) -> str:
 
 
 def _source(extra: str) -> str:
+    # Here, because it loads a reader of e-mail, and only who lacks something asks.
+    from importlib.metadata import PackageNotFoundError, distribution
+
     try:
         # PEP 610: there where it did not come from an index.
         origin = json.loads(distribution(PROJECT).read_text("direct_url.json") or "{}")

@@ -21,7 +21,7 @@ def compiled(spec: IntegratorSpec) -> bool:
     Raises:
         SpecError: it is asked for and numba is not installed.
     """
-    if spec.kernel == "numba" and not jit.COMPILED:
+    if spec.kernel == "numba" and not jit.INSTALLED:
         raise SpecError(
             "numba is not installed", key="plant.integrator.kernel", value="numba", accepted="auto, pinocchio"
         )

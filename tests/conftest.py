@@ -12,6 +12,9 @@ from typing import Any
 import pytest
 
 from space_robot_cli.main import main
+
+# Loaded before any test: `check` leaves kernels that nothing has loaded yet without a compiler.
+from space_robot_description.kernel import jit  # noqa: F401
 from tests.support.follow import Spawn, ended
 from tests.support.tool import Tool
 
@@ -27,6 +30,9 @@ def spawn() -> Iterator[Spawn]:
     children: list[subprocess.Popen[str]] = []
 
     def start(command: list[str], **options: Any) -> subprocess.Popen[str]:
+        # What lives on a domain of this test holds it until its end.
+        context = sys.modules.get("space_robot_bringup.modes.context")
+        options.setdefault("pass_fds", context.reservations() if context else ())
         children.append(subprocess.Popen(command, text=True, **options))
         return children[-1]
 

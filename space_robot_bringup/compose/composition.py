@@ -5,7 +5,6 @@ from __future__ import annotations
 import platform
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib import metadata
 from math import radians
 from typing import TYPE_CHECKING
 
@@ -244,7 +243,8 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
         check_supervision(experiment)
     robot = load(experiment.robot)
     nominal = _variant(robot, _nominal_spec(experiment), seeds[0])
-    nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
+    known = experiment.nominal
+    nominal = replace(nominal, command_delay=known.delay_periods, knows_friction=known.friction)
     truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
     check_brakes(experiment, truth)
@@ -276,6 +276,9 @@ def check_expect(expect: Mapping[str, AnyExpectation], composition: Composition)
 
 def versions() -> dict[str, str]:
     """Versions of everything that can change the bits of a run."""
+    # Here, because it loads a reader of e-mail, and only a log has versions.
+    from importlib import metadata
+
     found: dict[str, str] = {"python": platform.python_version()}
     for name in VERSIONED:
         try:

@@ -8,13 +8,14 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.experiment.controller import ControllerSpec
 from space_robot_description.share import config_dir, is_file, shipped
-from space_robot_description.validation import nearest, parse_yaml
+from space_robot_description.yaml_files import nearest, parse_yaml
 from space_robot_msgs_py.errors import InputFileError, SpecError
 
 BASE, KIND, LAW, GAINS = "base", "kind", "law", "gains"
 FOLDER = "experiments"
+# Of an experiment that names none.
+DEFAULT_LAW = "computed_torque"
 
 
 def with_base(data: Mapping[str, Any], folder: Path, where: str) -> dict[str, Any]:
@@ -84,5 +85,5 @@ def _merged(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _without_gains(base: Mapping[str, Any], own: Mapping[str, Any]) -> Mapping[str, Any]:
-    before = base.get(LAW, ControllerSpec().law)
+    before = base.get(LAW, DEFAULT_LAW)
     return base if own.get(LAW, before) == before else {key: value for key, value in base.items() if key != GAINS}

@@ -6,6 +6,7 @@ from typing import Any
 
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
+from space_robot_bringup.experiment.base import DEFAULT_LAW
 from space_robot_bringup.experiment.timebase import steps_of
 from space_robot_description.spec import Strict
 from space_robot_description.validation import nearest
@@ -33,7 +34,7 @@ class ControllerSpec(Strict):
     """The law and its gains; defaults live with the law."""
 
     law: str = Field(
-        default="computed_torque", description="name of a law, module:Class, or external: a custom node commands"
+        default=DEFAULT_LAW, description="name of a law, module:Class, or external: a custom node commands"
     )
     gains: dict[str, Any] = Field(default_factory=dict, description="the law's own gains, checked by the law")
     standby: dict[str, StandbySpec] = Field(default_factory=dict, description="name -> law that may take over")

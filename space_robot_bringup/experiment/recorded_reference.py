@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.log.reader import LogReader
 
 
 def with_recorded_log(reference: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -29,6 +28,9 @@ def with_recorded_log(reference: Mapping[str, Any], folder: Path) -> dict[str, A
     beside = sorted(given.keys() - {"kind"})
     if beside:
         raise SpecError("stands beside log", key=f"reference.{beside[0]}", accepted="log, or stamps with q, v and a")
+    # Here, because the reader of logs takes its time to load, and few experiments name one.
+    from space_robot_msgs_py.log.reader import LogReader
+
     arrays = LogReader(path).arrays()
     if not arrays.stamp.size:
         raise SpecError("no complete tick in it", key="reference.log", value=str(path), accepted="a log of a run")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from space_robot_bringup.judge.metrics import PER_AXIS, RunMetrics
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
-from space_robot_msgs_py.log.arrays import Stamps
+
+if TYPE_CHECKING:
+    from space_robot_msgs_py.log.arrays import Stamps
 
 # A plant that loses more than this is wrong, whatever the controller does. The residuals bound no trajectory: fixed
 # steps keep momentum to 1e-8 where joints are 1e-3 rad off. The error of the integration does, where it is estimated.

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.modes.chaos import Blow, plan
-from space_robot_bringup.modes.context import reserved_domain
+from space_robot_bringup.modes.context import reservations, reserved_domain
 from space_robot_bringup.modes.heartbeats import SILENT_SECONDS, Heartbeats
 from space_robot_bringup.modes.hooks import roles_of
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ParentEnd
@@ -169,7 +169,7 @@ class _NodeProcesses:
                 stdout=2,
                 env=self._environment,
                 start_new_session=True,
-                pass_fds=tuple(inherited.values()),
+                pass_fds=(*inherited.values(), *reservations()),
             )
             tether.child.close()
             self._tethers[role] = tether

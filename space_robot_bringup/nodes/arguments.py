@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from pydantic import Field, NonNegativeFloat
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.compose.parameters import overrides_from
-from space_robot_bringup.experiment.experiment import Assignment, load_experiment, parsed
+from space_robot_bringup.experiment.experiment import Assignment, Experiment, load_experiment, parsed
 from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, ROLES, STANDBY, SUPERVISOR
 from space_robot_description.spec import Strict
 from space_robot_description.validation import validate
@@ -113,12 +113,15 @@ def start_from(options: Mapping[str, Any], given: Mapping[str, Any]) -> Start:
     return validate(Start, own | {"set": overrides}, "parameter")
 
 
-def composed(start: Start, given: Mapping[str, Any]) -> Composition:
+def composed(
+    start: Start, given: Mapping[str, Any], make: Callable[[Experiment], Composition] = compose
+) -> Composition:
     """The run that a node takes part in; an error names the parameter that the user typed.
 
     Args:
         start: what the node is started with.
         given: ROS parameters, see ``given_at_start``.
+        make: puts the run together.
 
     Raises:
         SpaceRobotError: the experiment is none.
@@ -129,7 +132,7 @@ def composed(start: Start, given: Mapping[str, Any]) -> Composition:
     overrides: Sequence[Assignment] = [parsed(text, typed.get(text, "")) for text in start.set]
     try:
         overrides = _in_modes(start.experiment, overrides)
-        return compose(load_experiment(start.experiment, overrides))
+        return make(load_experiment(start.experiment, overrides))
     except SpaceRobotError as error:
         raise _as_typed(error, {one.key: one.where for one in overrides}) from None
 

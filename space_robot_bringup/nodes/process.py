@@ -21,16 +21,19 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 
-from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.compose.composition import Composition, compose, compose_world
+from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.modes.context import domain_number, local_context
-from space_robot_bringup.modes.graph import drain, make_executor, make_node, raise_bug, spin
 from space_robot_bringup.modes.heartbeats import beating
+from space_robot_bringup.modes.hooks import STANDBY, SUPERVISOR
 from space_robot_bringup.modes.signals import Interrupted, RunStop
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ChildEnd
 from space_robot_bringup.nodes.arguments import Start, composed, parser, split_ros_arguments, start_from
 from space_robot_bringup.nodes.patience import Patience
 from space_robot_bringup.nodes.waiting import WaitNotes
+from space_robot_control.laws.policy import TYPED
 from space_robot_description.fields import parameter_rows
+from space_robot_description.kernel.choice import interpret
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.log.free_directory import checked_directory
 from space_robot_msgs_py.log.run_directory import RunDirectory
@@ -47,6 +50,10 @@ ACKNOWLEDGE_SECONDS = 5.0
 HURRIED_SECONDS = 0.2
 PROGRESS_SECONDS = 0.2
 POLL_SECONDS = 0.05
+# They call no kernel, once the experiment is checked.
+WITHOUT_KERNELS = ("recorder", "guidance")
+# They make a law, which loads its kernels.
+WITH_LAW = ("controller", STANDBY, SUPERVISOR)
 
 
 def main(arguments: list[str] | None = None, name: str = "") -> int:
@@ -61,6 +68,10 @@ def main(arguments: list[str] | None = None, name: str = "") -> int:
     """
     own, ros = split_ros_arguments(sys.argv[1:] if arguments is None else arguments)
     options = parser(name).parse_args(own)
+    # Else pydantic asks every installed distribution for plugins, a tenth of the start.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
+    if options.role in WITHOUT_KERNELS:
+        interpret()
     with RunStop(signal.SIGINT, signal.SIGTERM) as stop:
         tether = ChildEnd(options.tether, stop.end)
         try:
@@ -80,7 +91,9 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
     with local_context(domain, ros) as context:
         given = given_at_start(options.role, context)
         start = start_from(vars(options), given)
-        composition = composed(start, given)
+        # What started the nodes of a run has made its law already, and would have said what is wrong with it.
+        trusted = options.tether is not None and options.role not in WITH_LAW
+        composition = composed(start, given, _without_law if trusted else compose)
         if options.role == "recorder":
             # It runs no user code, and what it has begun to write is closed in order.
             stop.ending()
@@ -104,7 +117,14 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
         return code
 
 
+def _without_law(experiment: Experiment) -> Composition:
+    return compose_world(experiment, TYPED)
+
+
 def _node(options: Namespace, start: Start, composition: Composition, context: Context) -> GraphNode:
+    # Here and below: it loads the nodes of all roles, and with the controller the compiler, unless this one needs none.
+    from space_robot_bringup.modes.graph import make_node
+
     role, out = options.role, Path(start.out)
     if role == "recorder" and options.directory is None:
         checked_directory(out, overwrite=start.overwrite, key="out")
@@ -138,6 +158,8 @@ def _greeting(role: str, start: Start, composition: Composition) -> str:
 
 
 def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Callable[[], None]], *, log: bool) -> int:
+    from space_robot_bringup.modes.graph import drain, make_executor, raise_bug, spin
+
     executor = make_executor(node.context)
     executor.add_node(node)
 

@@ -5,19 +5,22 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import isabstract
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_description.robot import Robot
+from space_robot_description.spec import Strict
 from space_robot_description.validation import nearest, validate
 from space_robot_msgs_py.bounded_files import is_file, short
 from space_robot_msgs_py.errors import SpecError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUP = "space_robot.laws"
 PATHS = "module:Class or path/to/file.py:Class"
@@ -26,12 +29,15 @@ BUILT_IN = {
     "computed_torque": "space_robot_control.laws.computed_torque.law:ComputedTorque",
     "damped_hold": "space_robot_control.laws.damped_hold.law:DampedHold",
     "detumble": "space_robot_control.laws.detumble.law:Detumble",
+    "lqr": "space_robot_control.laws.lqr.law:Lqr",
     "mfac": "space_robot_control.laws.mfac.law:ModelFree",
+    "mpc": "space_robot_control.laws.mpc.law:LinearMpc",
     "none": "space_robot_control.laws.zero_command:ZeroCommand",
     "ntsmc": "space_robot_control.laws.ntsmc.quaternion_law:Ntsmc",
     "ntsmc_euler": "space_robot_control.laws.ntsmc.euler_law:NtsmcEuler",
     "park": "space_robot_control.laws.park.law:Park",
     "pd": "space_robot_control.laws.pd.law:ProportionalDerivative",
+    "reaction_null_space": "space_robot_control.laws.reaction_null_space.law:ReactionNullSpace",
 }
 
 
@@ -89,10 +95,25 @@ def make_law(
         SpecError: the law, a gain or the period cannot be used.
     """
     cls = law_class(name, f"{key}.law", policy)
-    return cls(robot, control_period, validate(cls.Gains, dict(gains or {}), f"{key}.gains."))
+    return cls(robot, control_period, gains_of(cls, gains, key))
+
+
+def gains_of(cls: type[Law], gains: Mapping[str, Any] | None, key: str) -> Law.Gains:
+    """The gains of a law from its section of an experiment file; see ``make_law``.
+
+    Raises:
+        SpecError: the class has no model of its gains, or one of them cannot be used.
+    """
+    if not (isinstance(cls.Gains, type) and issubclass(cls.Gains, Strict)):
+        accepted = "class Gains(space_robot.Law.Gains), nested in the law"
+        raise SpecError("is no model of gains", key=f"{cls.__qualname__}.Gains", value=cls.Gains, accepted=accepted)
+    return validate(cls.Gains, dict(gains or {}), f"{key}.gains.")
 
 
 def _installed() -> dict[str, EntryPoint]:
+    # Here, because it loads a reader of e-mail, and the built-in laws need none.
+    from importlib.metadata import entry_points
+
     return {point.name: point for point in entry_points(group=GROUP) if point.name not in BUILT_IN}
 
 

@@ -13,18 +13,25 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from space_robot_description.kernel.choice import interpreted
+from space_robot_description.kernel.light_numba import without_scipy
 from space_robot_description.kernel.turns import Turns
 
 try:
+    if interpreted():
+        raise ImportError("this process compiles nothing")
     import numba
 except ImportError:
     numba = None
 
+# Other processes of this installation compile.
+INSTALLED = importlib.util.find_spec("numba") is not None
 COMPILED = numba is not None
 # With NUMBA_DISABLE_JIT=1 numba is there and compiles nothing.
 MACHINE_CODE = numba is not None and not numba.config.DISABLE_JIT
 
 if numba is not None:
+    without_scipy()
     # It also reads .numba_config.yaml in the working directory, where a file that came with a log may lie: the folder
     # of the cache must not come from there, for a cache is code.
     numba.config.CACHE_DIR = os.environ.get("NUMBA_CACHE_DIR", "")

@@ -131,7 +131,7 @@ class Layout:
         # Constant, hole, constant, ..., constant: one call cuts a message, one slice compares or replaces every other.
         self._constants = tuple(bytes(blank[start:stop]) for start, stop in _gaps(self.holes, self.size))
         self._sizes = tuple(stop - start for start, stop in self.holes)
-        self._template = [piece for constant in self._constants for piece in (constant, b"")][:-1]
+        self._format = b"%b".join(constant.replace(b"%", b"%%") for constant in self._constants)
         edges = (0, *chain.from_iterable(self.holes), self.size)
         self._cut = Struct("".join(f"{stop - start}s" for start, stop in pairwise(edges)))
         self._constant = tuple((a, b, bytes(blank[a:b])) for a, b in _gaps(free, self.size) if a < b)
@@ -146,9 +146,13 @@ class Layout:
         """
         if tuple(map(len, blocks)) != self._sizes:
             raise self._wrong_block(blocks)
-        parts = self._template.copy()
-        parts[1::2] = blocks
-        return b"".join(parts)
+        return self._format % blocks
+
+    def pattern(self, names: Sequence[str]) -> bytes:
+        """The message as a pattern for ``%``, with a named place for each hole, in order."""
+        constants = [constant.replace(b"%", b"%%") for constant in self._constants]
+        places = [f"%({name})b".encode() for name in names]
+        return constants[0] + b"".join(map(bytes.__add__, places, constants[1:]))
 
     def blocks(self, raw: bytes) -> tuple[bytes, ...]:
         """The bytes in the holes of a message, in order; inverse of ``fill``.

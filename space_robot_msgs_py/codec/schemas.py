@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterable
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from space_robot_msgs_py.errors import LayoutError
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
+
+
+KNOWN = Path(__file__).with_name("schemas.json")
 
 
 @cache
@@ -26,6 +32,8 @@ def schema_text(ros_type: str) -> str:
     Raises:
         LayoutError: Jazzy has no such type.
     """
+    if ros_type in _known():
+        return _known()[ros_type]["text"]
     _require(ros_type)
     return typestore().generate_msgdef(ros_type, ros_version=2)[0]
 
@@ -37,8 +45,27 @@ def type_hash(ros_type: str) -> str:
     Raises:
         LayoutError: Jazzy has no such type.
     """
+    if ros_type in _known():
+        return _known()[ros_type]["hash"]
     _require(ros_type)
     return typestore().hash_rihs01(ros_type)
+
+
+@cache
+def _known() -> dict[str, dict[str, str]]:
+    """Text and hash of the types of the table, as rosbags has them: it loads every type of every ROS since 2019."""
+    known: dict[str, dict[str, str]] = json.loads(KNOWN.read_text("utf-8"))
+    return known
+
+
+def known_types(ros_types: Iterable[str]) -> str:
+    """What stands in the file of known types for some types, out of rosbags."""
+    store = typestore()
+    rows = {
+        name: {"hash": store.hash_rihs01(name), "text": store.generate_msgdef(name, ros_version=2)[0]}
+        for name in sorted(set(ros_types))
+    }
+    return json.dumps(rows, indent=1) + "\n"
 
 
 def _require(ros_type: str) -> None:

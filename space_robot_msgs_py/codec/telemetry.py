@@ -68,10 +68,6 @@ class TelemetryCodec:
         head, data = self._blocks(raw)[1]
         return self._stamp(head), data
 
-    def peek_stamp(self, raw: bytes) -> int:
-        """The stamp [ns] of a message."""
-        return self.decode_part(0, raw)[0]
-
     def read(self, raw: bytes) -> tuple[int, bytes]:
         """The stamp [ns] of a message, and the same message with zero padding and nothing behind it."""
         layout = self.layout_of(raw)
@@ -88,6 +84,14 @@ class TelemetryCodec:
     def layout_of(self, raw: bytes) -> Layout:
         """The layout of a message."""
         return self._find(raw)[1]
+
+    def layout_for(self, shape: Shape) -> Layout:
+        """The layout of messages of these labels and sizes.
+
+        Raises:
+            LayoutError: a label is used twice or is ``stamp``.
+        """
+        return self._layout(shape)
 
     def _blocks(self, raw: bytes) -> tuple[Shape, tuple[bytes, ...]]:
         shape, layout = self._find(raw)

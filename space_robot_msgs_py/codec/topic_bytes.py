@@ -88,7 +88,7 @@ class TickCodec:
         stamps = [value.stamp for value in values]
         stamps += [event.stamp for event in output.events]
         stamps += [event.stamp for event in (*sample.faults, *sample.events)]
-        if any(stamp != tick.stamp for stamp in stamps):
+        if stamps.count(tick.stamp) != len(stamps):
             raise LayoutError("values of different stamps", key="tick", value=stamps, accepted="one stamp")
         return (
             *self.state.encode(sample.state),

@@ -14,16 +14,20 @@ from space_robot_msgs_py.interfaces import PlantSample, Reference, Supervision, 
 from space_robot_msgs_py.log.arrays import LogArrays, arrays_of
 from space_robot_msgs_py.log.closing import Written, append_end, finish_bag, write_all
 from space_robot_msgs_py.log.header import LogHeader
-from space_robot_msgs_py.log.mcap.records import message_bytes
+from space_robot_msgs_py.log.mcap.records import message_bytes, message_head_bytes
 from space_robot_msgs_py.log.preamble import CHANNELS, channels_of, preamble
 from space_robot_msgs_py.log.run_directory import RunDirectory, WatchedFile
+from space_robot_msgs_py.log.tick_block import TickBlock, ordinary
 from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, TF, TF_STATIC, Topic
 from space_robot_msgs_py.transforms import FrameTransforms
 
 _IDS = tuple(CHANNELS[topic.name] for topic in LOGGED)
 _BASE, _JOINTS = LOGGED.index(BASE_ODOM), LOGGED.index(JOINT_STATES)
-_ANGLES = tuple((topic, AttitudeAngles(topic), LOGGED.index(source)) for topic, (source, _) in SOURCES.items())
+_NAMES = tuple(topic.name for topic in LOGGED)
+# The angles of the measured attitude, then those of the desired one.
+_ANGLES = tuple((AttitudeAngles(topic), LOGGED.index(source)) for topic, (source, _) in SOURCES.items())
+_DERIVED = tuple((topic.name, CHANNELS[topic.name]) for topic in (TF, *SOURCES))
 
 
 class LogWriter:
@@ -92,26 +96,34 @@ class LogWriter:
 
     def write_row(self, stamp: int, row: Sequence[bytes | None]) -> None:
         """Write the messages of one stamp, given in the order of ``LOGGED``; None where there is none."""
-        if stamp <= self._written.last:
-            raise LogError(
-                "time does not go on", key=str(self.path), value=stamp, accepted=f"more than {self._written.last} ns"
-            )
-        records = []
-        for topic, channel, data in zip(LOGGED, _IDS, row, strict=True):
+        self._check_order(stamp)
+        counts, records = self._written.counts, list[bytes]()
+        for name, channel, data in zip(_NAMES, _IDS, row, strict=True):
             if data is not None:
-                if topic.name not in self._written.counts:
-                    raise LogError("its header names no such topic", key=str(self.path), value=topic.name)
-                records.append(message_bytes(channel, self._written.counts[topic.name], stamp, data))
-                self._written.counts[topic.name] += 1
-        transforms = self._frames.from_messages(row[_BASE], row[_JOINTS])
-        if transforms is not None:
-            records.append(self._record(TF, stamp, transforms))
-        for topic, angles, source in _ANGLES:
-            if (data := angles.of(row[source])) is not None:
-                records.append(self._record(topic, stamp, data))
-        self._append(b"".join(records))
-        self._written.last = stamp
-        self._written.ticks += 1
+                if name not in counts:
+                    raise LogError("its header names no such topic", key=str(self.path), value=name)
+                records += message_head_bytes(channel, counts[name], stamp, len(data)), data
+                counts[name] += 1
+        derived = [self._frames.from_messages(row[_BASE], row[_JOINTS])]
+        derived += [angles.of(row[source]) for angles, source in _ANGLES]
+        self._write(stamp, records, derived)
+
+    def write_block(self, block: TickBlock, tick: Tick) -> bool:
+        """Write a tick that fits a block, with the bytes of ``write_row``; False: its topics have not kept step."""
+        counts = self._written.counts
+        sequences = [counts[name] for name in block.names]
+        sequence = sequences[0]
+        if sequences.count(sequence) < len(sequences):
+            return False
+        self._check_order(tick.stamp)
+        records = [block.records(tick, sequence)]
+        for name in block.names:
+            counts[name] = sequence + 1
+        poses = tick.sample.state.q, tick.reference.q
+        derived = [self._frames.of(tick.sample.state)]
+        derived += [angles.at(tick.stamp, q[3:7]) for (angles, _), q in zip(_ANGLES, poses, strict=True)]
+        self._write(tick.stamp, records, derived)
+        return True
 
     def close(self, reason: str) -> None:
         """Write the reason of the end, index the file and write ``metadata.yaml``; later calls do nothing.
@@ -132,6 +144,23 @@ class LogWriter:
                 self._release()
                 raise
         self._release()
+
+    def _check_order(self, stamp: int) -> None:
+        if stamp <= self._written.last:
+            raise LogError(
+                "time does not go on", key=str(self.path), value=stamp, accepted=f"more than {self._written.last} ns"
+            )
+
+    def _write(self, stamp: int, records: list[bytes], derived: Sequence[bytes | None]) -> None:
+        """Append records, and what follows from them, in the order of ``_DERIVED``."""
+        counts = self._written.counts
+        for (name, channel), data in zip(_DERIVED, derived, strict=True):
+            if data is not None:
+                records += message_head_bytes(channel, counts[name], stamp, len(data)), data
+                counts[name] += 1
+        self._append(b"".join(records))
+        self._written.last = stamp
+        self._written.ticks += 1
 
     def _record(self, topic: Topic, stamp: int, data: bytes) -> bytes:
         sequence = self._written.counts[topic.name]
@@ -183,11 +212,19 @@ class LogSink:
         self, directory: StrPath | RunDirectory, header: LogHeader, *, custom: Mapping[str, str] | None = None
     ) -> None:
         self._codec = TickCodec(header.joint_names)
+        self._block: TickBlock | None = None
         self.writer = LogWriter(directory, header, custom=custom)
         self.writer.write_description(header.urdf)
 
     def record(self, tick: Tick) -> None:
         """Write one tick; it is in the file when this returns."""
+        block = self._block
+        if block is not None and block.fits(tick):
+            if self.writer.write_block(block, tick):
+                return
+        elif ordinary(tick):
+            # From the next one on; the labels of telemetry rarely change.
+            self._block = TickBlock(self._codec, tick)
         self.writer.write_row(tick.stamp, self._codec.encode(tick))
 
     def record_unanswered(

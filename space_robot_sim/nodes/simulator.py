@@ -22,6 +22,7 @@ from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import BrakedPlant, Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
+from space_robot_msgs_py.nodes.offers import Offers
 from space_robot_msgs_py.qos import qos_of_states
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
 from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
@@ -29,7 +30,6 @@ from space_robot_sim.nodes.brake_port import BrakePort
 from space_robot_sim.nodes.command_port import REPEATED, CommandPort
 from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
-from space_robot_sim.nodes.offers import Offers
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import STEP_COUNT, RunServices, StepGate, checked_count, step_count_row
 from space_robot_sim.nodes.tick_parts import MAX_LATE

@@ -19,6 +19,7 @@ from space_robot_description.spec import Strict, Title
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.paths import StrPath
 from space_robot_studies.campaign.distributions import Draw
+from space_robot_studies.campaign.run_count import runs_of
 from space_robot_studies.campaign.variation import (
     VARY,
     Point,
@@ -60,8 +61,7 @@ class Campaign(Strict):
     def _runs_of_seeds(cls, data: Any) -> Any:
         if not isinstance(data, dict) or "runs" in data:
             return data
-        seeds = data.get("seeds")
-        count = seeds.get("count") if isinstance(seeds, dict) else len(seeds) if isinstance(seeds, list | tuple) else 0
+        count = runs_of(data)
         return data | {"runs": count} if count else data
 
     @model_validator(mode="after")

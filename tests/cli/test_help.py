@@ -7,7 +7,8 @@ from importlib.metadata import version
 
 import pytest
 
-from space_robot_cli.main import app
+from space_robot_cli.app import app
+from space_robot_cli.commands import load_commands
 from space_robot_cli.panels import OTHERS, PANELS
 from space_robot_control.laws import law_class, law_names
 from tests.support.tool import Tool
@@ -17,6 +18,7 @@ SUMMARY = 60  # characters
 
 def test_every_command_is_in_a_panel_and_said_in_a_line(space_robot: Tool) -> None:
     """What one begins with comes first, and no summary is cut off in a terminal of 80 columns."""
+    load_commands()
     said = space_robot("--help").stdout
     names = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
     assert names <= {name for members in PANELS.values() for name in members}
@@ -101,13 +103,13 @@ def test_what_completion_offers_is_what_is_accepted() -> None:
     """The choices of the shell are those of the library."""
     from space_robot_bringup.logs.happened import SEVERITIES, SOURCES
     from space_robot_cli.catalogue import EXPLAINED, catalogue
-    from space_robot_cli.check import KINDS
-    from space_robot_cli.main import FILES, LISTED, STARTS
+    from space_robot_cli.kinds import FOLDERS
     from space_robot_cli.new import KINDS as STARTED
+    from space_robot_cli.prepare_commands import FILES, LISTED, STARTS
 
     assert {"list": set(LISTED), "files": set(FILES), "new": set(STARTS)} == {
         "list": {*catalogue(), *EXPLAINED},
-        "files": set(KINDS),
+        "files": set(FOLDERS),
         "new": set(STARTED),
     }
     assert (set(SEVERITIES), set(SOURCES)) == (

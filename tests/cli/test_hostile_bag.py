@@ -16,7 +16,8 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_bringup.replay.publish import open_broadcast
-from space_robot_cli.main import app
+from space_robot_cli.app import app
+from space_robot_cli.commands import load_commands
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.recover import recover
@@ -111,11 +112,12 @@ READ_LOGS: dict[str, tuple[tuple[str, ...], ...]] = {
     # Of the directory of a campaign: see the test of those.
     "run": (),
 }
-RUN_WHAT_IS_TYPED = {"campaign", "check", "compare", "list", "new", "reproduce", "robot", "schema", "tune"}
+RUN_WHAT_IS_TYPED = {"benchmark", "campaign", "check", "compare", "list", "new", "reproduce", "robot", "schema", "tune"}
 
 
 def test_every_command_is_known_here() -> None:
     """A command that is new must say whether it reads third-party data."""
+    load_commands()
     names = {command.name or command.callback.__name__ for command in app.registered_commands if command.callback}
     assert names == set(READ_LOGS) | RUN_WHAT_IS_TYPED
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from space_robot_msgs_py.codec.schemas import schema_text, type_hash, typestore
+from space_robot_msgs_py.codec.schemas import KNOWN, known_types, schema_text, type_hash, typestore
 from space_robot_msgs_py.docs import topics_markdown
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.qos import LOCK_STEP_DEPTH, OF_A_STATE, asked_of, qos_of, qos_of_states
@@ -86,3 +86,8 @@ def test_unknown_types_are_refused():
     for function in (schema_text, type_hash):
         with pytest.raises(LayoutError, match="no_msgs/msg/None"):
             function("no_msgs/msg/None")
+
+
+def test_the_types_of_the_table_are_known_as_rosbags_has_them() -> None:
+    """A log is written without loading it; write ``known_types`` of the table into ``KNOWN`` where this differs."""
+    assert KNOWN.read_text("utf-8") == known_types(topic.type for topic in TABLE)

@@ -74,7 +74,9 @@ SAVED = {"joint_runaway": "computed_torque", "joint_offset": "computed_torque", 
 def test_supervision_saves_what_is_lost_without_it() -> None:
     """Brakes stop a joint before its end, and another law answers for one that has learned what cannot be."""
     campaign = chosen(1, tuple(SAVED))
-    for case in (make_case(campaign, index) for index in range(campaign.cases)):
-        if case.labels["controller"] == SAVED[case.labels["faults"]]:
-            row = case.columns() | run_case(case.data, "slice", "none").columns
-            assert (outcome(row) == "lost") is (case.labels["supervision"] == "without"), row
+    cases = [make_case(campaign, index) for index in range(campaign.cases)]
+    judged = [case for case in cases if case.labels["controller"] == SAVED[case.labels["faults"]]]
+    assert len(judged) == 2 * len(SAVED)
+    for case in judged:
+        row = case.columns() | run_case(case.data, "slice", "none").columns
+        assert (outcome(row) == "lost") is (case.labels["supervision"] == "without"), row

@@ -20,42 +20,8 @@ from space_robot_supervisor.reader import Reader
 from space_robot_supervisor.supervisor import Supervisor
 from space_robot_supervisor.table import SupervisionTable
 from space_robot_supervisor.values import Snapshot, value_of, values_of
-
-MINI = load_robot("mini")
-MODES = {"NOMINAL": {}, "SAFE": {"law": "damped_hold", "reference": "here"}}
-FAST = {"name": "fast", "value": "base.rate", "above": 1.0, "to": "SAFE", "in": ["NOMINAL"]}
-
-
-def table(*monitors: dict[str, Any], **keys: Any) -> SupervisionTable:
-    """A checked table."""
-    found = validate(SupervisionTable, {"modes": MODES, "monitors": list(monitors)} | keys, "supervision.")
-    found.check("supervision")
-    return found
-
-
-def supervisor(*monitors: dict[str, Any], **keys: Any) -> Supervisor:
-    """A supervisor of `mini`."""
-    return Supervisor(table(*monitors, **keys), MINI, ("error", "gain"), command_limit(MINI))
-
-
-def snapshot(tick: int, rate: float = 0.0, **keys: Any) -> Snapshot:
-    """A state that turns at this rate about z, and a reference that is somewhere else."""
-    q = np.array([0, 0, 0, 0, 0, 0, 1.0, *MINI.home])
-    v = np.array([0, 0, 0, 0, 0, rate, 0, 0, 0, 0])
-    along_x, along_y = np.eye(11)[:2] * tick
-    state = RobotState(tick, q + along_x, v, np.zeros(4), np.zeros(3))
-    reference = Reference(tick, q - along_y, 0.1 + v, v)
-    return Snapshot(state, reference, **keys)
-
-
-def watched(one: Supervisor, rates: list[float]) -> list[Supervision]:
-    """What it says to a run of rates."""
-    return [one.update(snapshot(tick, rate)) for tick, rate in enumerate(rates)]
-
-
-def reported(found: list[Supervision], name: str) -> list[tuple[int, str]]:
-    """(tick, message) of the events of that name."""
-    return [(tick, event.message) for tick, one in enumerate(found) for event in one.events if event.name == name]
+from tests.support.supervised import FAST, MINI, MODES, reported, snapshot, supervisor, table, watched
+from tests.support.values import bits
 
 
 def test_a_monitor_fires_when_its_condition_has_held_long_enough() -> None:
@@ -117,6 +83,61 @@ def test_the_highest_severity_decides() -> None:
     found = watched(supervisor(low, FAST | {"severity": "high"}, modes=modes), [2.0])
     assert [event.name for event in found[0].events] == ["low", "fast", "mode"]
     assert found[0].mode == "SAFE"
+
+
+def test_a_decision_has_everything_that_holds_from_its_stamp_on() -> None:
+    """Law, reference and brakes of the mode, since when it holds, and which answer of the controller was known."""
+    safe = {"law": "damped_hold", "reference": "here", "brakes": True}
+    one = supervisor(FAST, modes={"NOMINAL": {"reference": "freeze"}, "SAFE": safe})
+    first = one.update(snapshot(0))
+    assert bits(first) == bits(Supervision(0, "NOMINAL", "controller", "freeze", 0, -1, (), None, False))
+    command = Command(3, np.zeros(6), np.zeros(4))
+    found = one.update(snapshot(5, 2.0, command=command))
+    assert bits(found) == bits(Supervision(5, "SAFE", "damped_hold", "here", 5, 3, found.events, None, True))
+    assert len(found.events) == 2
+    later = one.update(snapshot(6, 2.0, command=command))
+    assert bits(later) == bits(Supervision(6, "SAFE", "damped_hold", "here", 5, 3, (), None, True))
+
+
+def test_of_equal_severities_the_first_row_decides() -> None:
+    """Rows on different values may fire at once; a later one of a higher severity decides all the same."""
+    modes = MODES | {"HOLD": {"reference": "freeze"}}
+    other = {"name": "other", "value": "rate.z", "above": 1.0, "to": "HOLD"}
+    for rows, mode in (
+        ((FAST, other), "SAFE"),
+        ((other, FAST), "HOLD"),
+        ((FAST, other | {"severity": "high"}), "HOLD"),
+    ):
+        found = watched(supervisor(*rows, modes=modes), [2.0])[0]
+        assert [event.name for event in found.events] == [*(row["name"] for row in rows), "mode"]
+        assert found.mode == mode
+
+
+def test_a_row_that_finds_nothing_keeps_no_other_from_looking() -> None:
+    """Rows with nothing to see, with nothing new, or without a number stand before and behind the one that fires."""
+    rate = {"value": "base.rate", "above": 1.0}
+    rows = [
+        {"name": "unknown", "value": "command.saturation", "above": 0.5},
+        {"name": "calm", "value": "base.rate", "above": 99.0},
+        rate | {"name": "patient", "for": 9},
+        rate | {"name": "fast"},
+        {"name": "slow", "value": "base.rate", "above": 1.5},
+        {"name": "still", "value": "base.rate", "below": 0.1},
+    ]
+    found = watched(supervisor(*rows, modes={"NOMINAL": {}}), [0.0, 1.2, 2.0, 1.2, 0.0])
+    expected = {"fast": [(1, "fires"), (4, "clears")], "slow": [(2, "fires"), (3, "clears")]}
+    expected["still"] = [(0, "fires"), (1, "clears"), (4, "fires")]
+    for name in ("unknown", "calm", "patient", "fast", "slow", "still"):
+        assert reported(found, name) == expected.get(name, []), name
+
+
+def test_what_clears_starts_nothing() -> None:
+    """A sequence is started by the row that fires, once for each time."""
+    row = {"name": "fast", "value": "base.rate", "above": 1.0, "start": "rest"}
+    one = supervisor(row, modes=MODES | {"HOLD": {}}, sequences={"rest": [{"after": 9.0, "do": "hold"}]})
+    found = watched(one, [2.0, 0.0, 0.0, 2.0])
+    assert reported(found, "fast") == [(0, "fires"), (1, "clears"), (3, "fires")]
+    assert reported(found, "sequence") == [(0, "starts"), (3, "starts")]
 
 
 def test_monitors_count_from_zero_in_another_mode() -> None:

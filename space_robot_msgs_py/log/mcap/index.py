@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import zlib
 from collections import Counter
+from collections.abc import Sequence
+from struct import Struct
 from typing import IO
 
 import zstandard
@@ -17,15 +19,24 @@ from mcap.records import (
     DataEnd,
     Footer,
     McapRecord,
-    MessageIndex,
     Metadata,
     MetadataIndex,
     Statistics,
     SummaryOffset,
 )
 
-from space_robot_msgs_py.log.mcap.records import MAGIC, PREFIX, flatten, message_head, parse, record_bytes, scan
+from space_robot_msgs_py.log.mcap.records import (
+    MAGIC,
+    MESSAGE_OPCODE,
+    PREFIX,
+    flatten,
+    message_head,
+    parse,
+    record_bytes,
+    scan,
+)
 
+_MESSAGE_INDEX, _INDEX_OPCODE = Struct("<BQHI"), int(Opcode.MESSAGE_INDEX)
 # One damaged byte costs a whole chunk; smaller ones compress worse (1 MiB saves 4 %).
 CHUNK_SIZE = 1 << 17
 
@@ -58,8 +69,10 @@ class IndexedWriter:
     def __init__(self, stream: IO[bytes], key: str) -> None:
         self._stream, self._key = stream, key
         self._position = 0
+        self._compressor = zstandard.ZstdCompressor(level=3)
         self._chunk = bytearray()
-        self._entries: dict[int, list[tuple[int, int]]] = {}
+        # By channel: stamp, offset, stamp, offset, ... of its messages in the chunk.
+        self._entries: dict[int, list[int]] = {}
         self._first = self._last = -1
         self._span: tuple[int, int] | None = None
         self._counts: Counter[int] = Counter()
@@ -79,10 +92,10 @@ class IndexedWriter:
 
     def add(self, opcode: int, content: bytes) -> None:
         """Take the next record of the data section."""
-        record = PREFIX.pack(opcode, len(content)) + content
-        if opcode == Opcode.MESSAGE:
-            self._add_message(record, content)
+        if opcode == MESSAGE_OPCODE:
+            self._add_message(content)
             return
+        record = PREFIX.pack(opcode, len(content)) + content
         self._close_chunk()
         if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             self._summary[opcode].append(record)
@@ -116,29 +129,34 @@ class IndexedWriter:
         self._write_record(Footer(summary_start=start, summary_offset_start=position, summary_crc=crc))
         self._write(MAGIC)
 
-    def _add_message(self, record: bytes, content: bytes) -> None:
+    def _add_message(self, content: bytes) -> None:
         channel, _, stamp, _ = message_head(content, self._key)
-        if len(self._chunk) > CHUNK_SIZE and stamp != self._last:
-            # Only between stamps: what belongs together is read together.
-            self._close_chunk()
-        if not self._chunk:
-            self._first = stamp
-        self._last = stamp
-        self._entries.setdefault(channel, []).append((stamp, len(self._chunk)))
-        self._counts[channel] += 1
-        self._chunk += record
+        chunk = self._chunk
+        if stamp != self._last or not chunk:
+            if len(chunk) > CHUNK_SIZE:
+                # Only between stamps: what belongs together is read together.
+                self._close_chunk()
+            if not chunk:
+                self._first = stamp
+            self._last = stamp
+        if channel not in self._entries:
+            self._entries[channel] = []
+        self._entries[channel] += (stamp, len(chunk))
+        chunk += PREFIX.pack(MESSAGE_OPCODE, len(content))
+        chunk += content
 
     def _close_chunk(self) -> None:
         if not self._chunk:
             return
         data = bytes(self._chunk)
-        packed = zstandard.ZstdCompressor(level=3).compress(data)
+        packed = self._compressor.compress(data)
         start = self._position
         self._write_record(Chunk("zstd", packed, self._last, self._first, zlib.crc32(data), len(data)))
         end, offsets = self._position, {}
         for channel, entries in self._entries.items():
             offsets[channel] = self._position
-            self._write_record(MessageIndex(channel, entries))
+            self._write(_message_index(channel, entries))
+            self._counts[channel] += len(entries) // 2
         index = ChunkIndex(
             chunk_length=end - start,
             chunk_start_offset=start,
@@ -188,3 +206,9 @@ class IndexedWriter:
     def _write(self, data: bytes) -> None:
         self._stream.write(data)
         self._position += len(data)
+
+
+def _message_index(channel: int, entries: Sequence[int]) -> bytes:
+    """A record that says where in a chunk the messages of a channel are; mcap's own takes a second per million."""
+    numbers = Struct(f"<{len(entries)}Q").pack(*entries)
+    return _MESSAGE_INDEX.pack(_INDEX_OPCODE, 6 + len(numbers), channel, len(numbers)) + numbers

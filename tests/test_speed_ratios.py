@@ -1,0 +1,32 @@
+"""Nothing becomes twice as slow unseen: ratios of CPU times of one run, with a factor of two to spare, no times.
+
+What they are today is on the page of speed; a neighbour's load moves both sides of a ratio alike.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("numba")
+from benchmarks.bench_log import beside_mcap, made_ticks
+from benchmarks.bench_start import MODELS, cpu_seconds
+
+SPARE = 2.0
+# Commands, and how many times the CPU time of importing NumPy and pydantic they take.
+STARTS = {"--version": 1.3, "list": 2.1, "check liu2023/fig08": 4.7}
+
+
+def test_a_log_is_written_as_fast_beside_the_writer_of_mcap() -> None:
+    """Values to an indexed file, against mcap's own writer that gets the same messages as bytes."""
+    ratios = beside_mcap(made_ticks(300), 3)
+    assert ratios["log: write and close, times the speed of mcap's writer, zstd"] > 0.55 / SPARE
+
+
+def test_commands_start_as_fast_beside_what_they_have_to_load() -> None:
+    """Version, list and check."""
+    seconds = cpu_seconds(STARTS, 2)
+    assert {
+        name: seconds[name] / seconds[MODELS]
+        for name in STARTS
+        if seconds[name] > SPARE * STARTS[name] * seconds[MODELS]
+    } == {}
