@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import pytest
+
 from space_robot_bringup.modes.chaos import ACTIONS, BLOWS, plan
 from space_robot_bringup.modes.heartbeats import SILENT_SECONDS, Heartbeats
 from space_robot_bringup.modes.hooks import roles_of
+from space_robot_bringup.modes.run import check_processes
+from space_robot_msgs_py.errors import SpecError
 
 
 class Clock:
@@ -63,3 +67,24 @@ def test_a_plan_is_its_seeds() -> None:
     single = [blow for seed in range(100) for blow in plan(seed, 400, alone)]
     assert {blow.action for blow in single} == {"kill", "stop"}
     assert all(0 < blow.tick < 400 for blow in both + single)
+
+
+@pytest.mark.parametrize(
+    ("mode", "realtime", "failover", "chaos", "key"),
+    [
+        ("headless", None, 3, None, "--failover"),
+        ("graph", 1.0, 3, None, "--failover"),
+        ("processes", None, 0, 0, "--chaos"),
+        ("processes", 1.0, 51, None, "--failover"),
+        ("processes", 1.0, -1, None, "--failover"),
+    ],
+)
+def test_what_needs_processes_and_a_clock_is_refused(
+    mode: str, realtime: float | None, failover: int, chaos: int | None, key: str
+) -> None:
+    """With the option and what is accepted; in paced processes both are fine."""
+    check_processes("processes", 1.0, 50, 0)
+    with pytest.raises(SpecError) as caught:
+        check_processes(mode, realtime, failover, chaos)
+    assert caught.value.key == key
+    assert caught.value.accepted
