@@ -4,7 +4,7 @@ RUN apt-get update && apt-get install -y --no-install-recommends python3 python3
 ENV PATH=/opt/space-robot/bin:$PATH AMENT_PREFIX_PATH=/opt/space-robot NUMBA_CACHE_DIR=/var/cache/space-robot
 COPY . /src
 RUN python3 -m venv /opt/space-robot \
- && pip install --no-cache-dir '/src[ros,viz,view,robots,campaign,pandas]' \
+ && pip install --no-cache-dir '/src[ros,viz,view,robots,campaign,mpc,pandas]' \
  && rm -rf /src \
  && mkdir -p /work "$NUMBA_CACHE_DIR" \
  # Plant and laws are compiled here, not in the first run of everyone.

@@ -19,7 +19,7 @@ help:
 	@echo "make studies every figure and table of the three papers, and the laws compared; leaves pages in out/studies"
 	@echo "make golden  run the reference logs of the tests again, and say what is different"
 	@echo "make fuzz    10,000 files and command lines that are nearly right: no traceback, no hang (CASES=, SEED=)"
-	@echo "make chaos   kill the processes of runs, fuzz, and steer runs at random; takes an hour"
+	@echo "make chaos   kill and stop processes of runs, let nodes come late, fuzz, steer runs at random; takes two hours"
 	@echo "make bench   speed of start, plant, loop, graph and log, written into docs/speed.md"
 
 $(VENV)/bin/uv:
@@ -28,7 +28,7 @@ $(VENV)/bin/uv:
 	$(BIN)/python -m pip install -q --disable-pip-version-check 'uv>=0.4'
 
 $(VENV)/.run: pyproject.toml setup.py | $(VENV)/bin/uv
-	$(BIN)/uv pip install -q --compile-bytecode --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,view,robots,campaign,pandas]'
+	$(BIN)/uv pip install -q --compile-bytecode --python $(BIN)/python -e '.[$(ROS_EXTRA)viz,view,robots,campaign,mpc,pandas]'
 	@touch $@
 
 $(VENV)/.dev: pyproject.toml setup.py | $(VENV)/bin/uv
@@ -75,7 +75,7 @@ studies: $(VENV)/.dev
 	$(BIN)/space-robot compare --out out/studies/compare
 
 chaos: $(VENV)/.dev
-	@for program in kill fuzz steering; do test ! -e tests/chaos/$$program.py || $(BIN)/python -m tests.chaos.$$program || exit 1; done
+	@for program in kill blows late fuzz steering; do $(BIN)/python -m tests.chaos.$$program || exit 1; done
 
 clean:
 	rm -rf $(VENV) build dist out *.egg-info .mypy_cache .ruff_cache .pytest_cache

@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks.machine import described
 from benchmarks.page import write_table
 
-NAMES = ("start", "plant", "adaptive", "loop", "supervision", "graph", "log", "campaign", "report", "memory")
+NAMES = ("start", "plant", "adaptive", "loop", "supervision", "graph", "live", "log", "campaign", "report", "memory")
 
 
 def main() -> int:

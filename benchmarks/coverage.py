@@ -1,6 +1,6 @@
 """What becomes of a robot with a fault: every kind x five laws x without and with supervision, as a table in Markdown.
 
-python -m benchmarks.coverage DIRECTORY [RUNS [KIND ...]]
+python -m benchmarks.coverage DIRECTORY [RUNS [KIND ...]] [--robot servicer] [--workers N]
 
 Runs what is not in the directory yet, so that it may be interrupted at any time and goes on. Of each run:
 survives (follows its reference again), degrades (at rest, within 0.35 rad), safe (at rest elsewhere) or lost (still
@@ -9,6 +9,7 @@ moving at the end, beyond a joint limit, or ended early); a cell has the worst o
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -20,7 +21,7 @@ from space_robot_studies.campaign.directory import campaign_rows
 from space_robot_studies.campaign.spec import Campaign, load_campaign
 from space_robot_studies.engine.hooks import StudyHooks
 
-CAMPAIGN = Path(__file__).with_name("coverage_mini.yaml")
+ROBOTS = ("mini", "servicer")
 OUTCOMES = ("survives", "degrades", "safe", "lost")
 MOVING = ("base.rate", "joints.rate", "joints.beyond")
 ERRORS = ("error.attitude", "error.joints")
@@ -88,21 +89,27 @@ def table(rows: Iterable[Columns]) -> str:
     return "\n".join(lines)
 
 
-def chosen(runs: int, kinds: Sequence[str]) -> Campaign:
-    """The campaign with so many draws, of these kinds of faults; none: of all."""
-    campaign = load_campaign(CAMPAIGN, runs)
+def chosen(runs: int, kinds: Sequence[str], robot: str = "mini") -> Campaign:
+    """The campaign of a robot with so many draws, of these kinds of faults; none: of all."""
+    campaign = load_campaign(Path(__file__).with_name(f"coverage_{robot}.yaml"), runs)
     faults = campaign.vary["faults"]
     assert isinstance(faults, Mapping)
     kept = {kind: faults[kind] for kind in kinds or faults}
     return campaign.model_copy(update={"vary": {**campaign.vary, "faults": kept}})
 
 
-def main(arguments: list[str]) -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run what is missing and print the table."""
-    directory, runs = Path(arguments[0]), int(arguments[1]) if len(arguments) > 1 else 20
-    campaign = chosen(runs, arguments[2:])
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.coverage")
+    parser.add_argument("directory", type=Path)
+    parser.add_argument("runs", type=int, nargs="?", default=20, help="draws of each cell")
+    parser.add_argument("kinds", nargs="*", help="of faults; default: all")
+    parser.add_argument("--robot", choices=ROBOTS, default="mini")
+    parser.add_argument("--workers", type=int, default=None, help="default: one per core")
+    given = parser.parse_args(arguments)
+    directory, campaign = given.directory, chosen(given.runs, given.kinds, given.robot)
     hooks = StudyHooks(on_row=lambda done: print(f"\r{done} of {campaign.cases}", end="", file=sys.stderr))
-    result = run_campaign(campaign, directory, keep="none", resume=True, hooks=hooks)
+    result = run_campaign(campaign, directory, keep="none", resume=True, hooks=hooks, workers=given.workers)
     print(file=sys.stderr)
     if result.end_reason != "completed":
         return 1
@@ -113,4 +120,4 @@ def main(arguments: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

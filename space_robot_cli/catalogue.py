@@ -31,6 +31,7 @@ def catalogue(kind: str = "", beginning: str = "") -> dict[str, dict[str, str]]:
         "papers": _paper,
         "campaigns": _campaign,
         "tuning": _tuning,
+        "benchmarks": _benchmark,
         "supervision": _table,
         "robots": _robot,
     }
@@ -99,6 +100,10 @@ def _experiment(name: str) -> str:
 def _paper(name: str) -> str:
     head = _head("papers", name, "title", "citation")
     return f"{_line(head, 'title')} ({_line(head, 'citation')})"
+
+
+def _benchmark(name: str) -> str:
+    return _line(_head("benchmarks", name, "title"), "title")
 
 
 def _tuning(name: str) -> str:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from space_robot_bringup.compose.diagnosis import diagnose
+from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.compose.diagnosis import all_of, diagnosed
 from space_robot_bringup.compose.foresight import foreseen
 from space_robot_bringup.compose.memory import what_is_not_forgotten
-from space_robot_bringup.experiment.experiment import Experiment, load_experiment, with_faults
+from space_robot_bringup.experiment.experiment import read_experiment
 from space_robot_cli.kinds import FOLDERS
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,12 +53,36 @@ def check_file(
         if given and kind != "experiment":
             raise SpecError("is for experiments", key=option, value=list(given), accepted=f"keys in the {kind}'s file")
     if kind == "experiment":
-        return _experiment(with_faults(load_experiment(name_or_path, overrides), faults))
+        return _experiment(_diagnosed(name_or_path, overrides, faults))
     return _campaign(name_or_path) if kind == "campaign" else _paper(name_or_path)
 
 
-def _experiment(spec: Experiment) -> Checked:
-    composition = diagnose(spec)
+def _diagnosed(name_or_path: str, overrides: Sequence[str], typed: Sequence[str]) -> Composition:
+    """The experiment, composed, if nothing is wrong with it."""
+    # Here, as only an experiment with faults of the command line needs the models of all faults.
+    from space_robot_sim.faults.catalogue import parse_fault
+
+    file = read_experiment(name_or_path)
+    data, errors, faults = file.data(overrides), list[SpaceRobotError](), list[Any]()
+    for text in typed:
+        try:
+            faults.append(parse_fault(text))
+        except SpaceRobotError as error:
+            errors.append(error)
+    given = data.get("faults", [])
+    if faults and isinstance(given, list):
+        data["faults"] = [*given, *faults]
+    try:
+        composition = diagnosed(data, file.where)
+    except SpaceRobotError as first:
+        errors.insert(0, first)
+    if errors:
+        raise all_of(errors)
+    return composition
+
+
+def _experiment(composition: Composition) -> Checked:
+    spec = composition.experiment
     nominal, review = composition.nominal, composition.review()
     summary = (
         f"{nominal.name}, {nominal.n} joints, {spec.controller.law}, {spec.steps} periods of {spec.control_period:g} s"

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 @app.command()
 def replay(
-    bags: Annotated[list[Path], typer.Argument(metavar="BAG...", help="run directories, bags or .mcap files")],
+    bags: Annotated[list[Path], typer.Argument(metavar="BAG", help="run directories, bags or .mcap files")],
     against: Annotated[
         str,
         typer.Option(

@@ -7,7 +7,7 @@ from typing import Any
 from typer.core import TyperGroup
 
 PANELS = {
-    "Run": ("run", "campaign", "compare", "tune", "reproduce"),
+    "Run": ("run", "campaign", "compare", "tune", "benchmark", "reproduce"),
     "Look": ("report", "view", "plot", "info", "events", "export", "video"),
     "Verify": ("check", "replay", "recover"),
     "Prepare": ("new", "list", "robot", "schema"),

@@ -27,6 +27,7 @@ from space_robot_cli.app import (
     warn,
 )
 from space_robot_cli.completion import choices, shipped_names
+from space_robot_cli.live import FoxgloveOption, Live, check_live, folders_of, shown
 from space_robot_cli.view_commands import NoBrowserOption, PortOption, show_log
 from space_robot_msgs_py.errors import SpecError
 
@@ -53,11 +54,26 @@ def run(
         ),
     ] = None,
     directory: Annotated[
-        Path | None, typer.Option("--out", help="run directory; default runs/<name>, numbered where a run is in it")
+        Path | None,
+        typer.Option("--out", "-o", help="run directory; default runs/<name>, numbered where a run is in it"),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace a run that is in the run directory")] = False,
     realtime: Annotated[
         float | None, typer.Option(help="simulated seconds per second (graph, processes); default: as fast as it goes")
+    ] = None,
+    failover: Annotated[
+        int,
+        typer.Option(
+            metavar="PERIODS",
+            help="with --mode processes --realtime: a second controller takes over when one was silent for so long",
+        ),
+    ] = 0,
+    chaos: Annotated[
+        int | None,
+        typer.Option(
+            metavar="SEED",
+            help="with --mode processes --realtime: kill, stop and restart processes, as drawn from this seed",
+        ),
     ] = None,
     set_: SetOption = None,
     fault: FaultOption = None,
@@ -78,21 +94,27 @@ def run(
     debug: Annotated[bool, typer.Option("--debug", help="show the traceback of a law that fails")] = False,
     junit: JunitOption = None,
     as_json: JsonOption = False,
-    view: Annotated[bool, typer.Option("--view", help="then show it in the browser until Ctrl-C")] = False,
+    view: Annotated[
+        bool,
+        typer.Option("--view", help="show it in the browser: while it runs (graph, processes), then until Ctrl-C"),
+    ] = False,
     port: PortOption = 8080,
     no_browser: NoBrowserOption = False,
+    foxglove: FoxgloveOption = None,
 ) -> None:
     """Run an experiment, log it to a bag and print the verdict."""
     began = monotonic()
     mode = mode or ("headless" if campaign_directory is None else "graph")
     if timeout is not None and not 0.0 < timeout < float("inf"):
         raise SpecError("not a limit", key="--timeout", value=timeout, accepted="a positive number of seconds")
-    from space_robot_bringup.modes.run import check_pace
+    from space_robot_bringup.modes.run import check_pace, check_processes
     from space_robot_cli.junit import check_junit, write_junit
     from space_robot_cli.render.suites import run_suite
     from space_robot_studies.campaign.rerun import differences
 
     check_pace(mode, realtime)
+    check_processes(mode, realtime, failover, chaos)
+    check_live(mode, foxglove)
     check_junit(junit)
     if campaign_directory is not None and index is not None and not (experiment or set_ or fault or duration):
         spec, name, policy = _case(campaign_directory, index, law or (), allow_code=allow_code)
@@ -104,13 +126,17 @@ def run(
     else:
         raise SpecError("give either EXPERIMENT or --from DIR --index K, not both", key="run")
     place = _place(name, directory, overwrite=overwrite)
-    result = _run(spec, place, mode, realtime, policy, timeout=timeout, debug=debug, quiet=as_json)
+    own = campaign_directory is None
+    live = Live(name, port if view else None, foxglove, own=own, open_browser=view and not no_browser)
+    pace: dict[str, Any] = {"realtime": realtime, "failover": failover, "chaos": chaos}
+    result = _run(spec, place, mode, pace, policy, live, timeout=timeout, debug=debug, quiet=as_json)
     write_junit(junit, [run_suite(name, spec, mode, result)] if junit is not None else ())
     # A paced run may miss commands, which no row of a campaign does.
     found = None if campaign_directory is None or realtime else differences(campaign_directory, index or 0, result)
     _say(spec, mode, result, found, monotonic() - began, as_json=as_json)
     if view:
-        _show(spec, result, own=campaign_directory is None, port=port, open_browser=not no_browser)
+        # A browser that followed the run is open, and finds the log at the same place.
+        _show(spec, result, own=own, port=port, open_browser=not no_browser and mode == "headless")
     if found or result.passed is False:
         raise typer.Exit(FAILED)
 
@@ -162,10 +188,8 @@ def _say(
 
 def _show(spec: Experiment, result: RunResult, *, own: bool, port: int, open_browser: bool) -> None:
     from space_robot_description.load import load_robot
-    from space_robot_description.share import mesh_folders
 
-    # The user has just run this robot; one out of a campaign directory shows what any log may.
-    folders = mesh_folders(load_robot(spec.robot).urdf) if own else ()
+    folders = folders_of(load_robot(spec.robot).urdf, own=own)
     show_log(result.directory, port=port, open_browser=open_browser, meshes=folders)
 
 
@@ -173,16 +197,18 @@ def _run(
     spec: Experiment,
     place: Path,
     mode: Any,
-    realtime: float | None,
+    pace: dict[str, Any],
     policy: LawPolicy,
+    live: Live,
     *,
     timeout: float | None,
     debug: bool,
     quiet: bool,
 ) -> RunResult:
+    from space_robot_bringup.compose.composition import compose
     from space_robot_bringup.modes.compilation import notice
     from space_robot_bringup.modes.hooks import Hooks
-    from space_robot_bringup.modes.run import run_experiment
+    from space_robot_bringup.modes.run import run_composition
     from space_robot_bringup.modes.signals import RunStop
     from space_robot_cli.progress import Progress
 
@@ -200,7 +226,9 @@ def _run(
         hooks = Hooks(on_tick, stop=lambda: stop.reason, warn=warn, on_end=lambda reason: stop.lift())
         if debug:
             hooks = replace(hooks, on_failure=_show_trace, debug=True)
-        return run_experiment(spec, place, mode=mode, realtime=realtime, hooks=hooks, policy=policy)
+        composition = compose(spec, policy)
+        with shown(composition, mode, live):
+            return run_composition(composition, place, mode=mode, hooks=hooks, **pace)
 
 
 def _show_trace(error: BaseException) -> None:

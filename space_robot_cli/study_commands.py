@@ -30,7 +30,7 @@ def campaign(
     runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
     workers: WorkersOption = None,
     scheduler: Annotated[str | None, typer.Option(help="address of a Dask scheduler instead of local workers")] = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="directory; default runs/<name>")] = None,
     resume: ResumeOption = False,
     set_: SetOption = None,
     keep: Annotated[
@@ -82,11 +82,11 @@ def campaign(
 def compare_laws(
     files: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[FILE]...", help="campaigns that vary the law; default: compare_mini compare_servicer"),
+        typer.Argument(metavar="FILE", help="campaigns that vary the law; default: compare_mini compare_servicer"),
     ] = None,
     runs: Annotated[int | None, typer.Option(help="runs per point of the grid; default: what the file says")] = None,
     workers: WorkersOption = None,
-    directory: Annotated[Path, typer.Option("--out", help="directory")] = Path("out/compare"),
+    directory: Annotated[Path, typer.Option("--out", "-o", help="directory")] = Path("out/compare"),
     resume: ResumeOption = False,
     time_limit: TimeLimitOption = None,
     metric: Annotated[
@@ -117,7 +117,7 @@ def tune(
         int | None, typer.Option(help="evaluations per law and point of the grid; default: what the file says")
     ] = None,
     workers: WorkersOption = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="directory; default runs/<name>")] = None,
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="directory; default runs/<name>")] = None,
     resume: ResumeOption = False,
     time_limit: TimeLimitOption = None,
     markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write the table")] = None,
@@ -137,6 +137,52 @@ def tune(
 
 
 @app.command()
+def benchmark(
+    file: Annotated[
+        str,
+        typer.Argument(help="shipped name or YAML file", autocompletion=shipped_names("benchmarks")),
+    ] = "v1",
+    law: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--law", metavar="NAME", help="of the set, or module:Class, file.py:Class; may be given more than once"
+        ),
+    ] = None,
+    task: Annotated[
+        list[str] | None, typer.Option("--task", metavar="NAME", help="only this task; may be given more than once")
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--only", metavar="KEY=LABEL", help="only these points of what is varied, e.g. control_period=0.5"
+        ),
+    ] = None,
+    short: Annotated[bool, typer.Option("--short", help="the part of the set that is over in minutes")] = False,
+    table: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="results to enter the rows in; default table.json in --out")
+    ] = None,
+    workers: WorkersOption = None,
+    directory: Annotated[Path, typer.Option("--out", help="directory of the searches")] = Path("out/benchmark"),
+    resume: ResumeOption = False,
+    time_limit: TimeLimitOption = None,
+    markdown: Annotated[Path | None, typer.Option(metavar="FILE", help="also write all tables")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Tune laws under equal rules and judge them in pairs."""
+    single_threaded()
+    from space_robot_bringup.public.calls import needing
+
+    with needing("benchmark", "campaign"):
+        from space_robot_cli.benchmark import Options, run
+    from space_robot_cli.study_options import StudyOptions
+
+    shared = StudyOptions(workers, resume, time_limit, markdown, as_json)
+    laws, tasks, points = (tuple(some or ()) for some in (law, task, only))
+    if not run(Options(file, directory, shared, laws, tasks, points, short, table), out, err):
+        raise typer.Exit(FAILED)
+
+
+@app.command()
 def reproduce(
     paper: Annotated[
         str,
@@ -145,7 +191,7 @@ def reproduce(
     figure: Annotated[
         list[str] | None, typer.Option("--figure", metavar="N", help="only this figure; may be given more than once")
     ] = None,
-    directory: Annotated[Path | None, typer.Option("--out", help="report directory; default out/<paper>")] = None,
+    directory: Annotated[Path | None, typer.Option("--out", "-o", help="report directory; default out/<paper>")] = None,
     workers: WorkersOption = None,
     resume: Annotated[bool, typer.Option("--resume", help="keep the finished runs that are still the same")] = False,
     time_limit: TimeLimitOption = None,

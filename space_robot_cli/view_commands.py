@@ -93,7 +93,7 @@ def view(
 @app.command()
 def plot(
     log: Annotated[Path, typer.Argument(help="run directory or .mcap file")],
-    picture: Annotated[Path | None, typer.Option("--out", help="image file; default LOG.png")] = None,
+    picture: Annotated[Path | None, typer.Option("--out", "-o", help="image file; default LOG.png")] = None,
 ) -> None:
     """Draw attitude, joints and torques of a log to a file."""
     try:

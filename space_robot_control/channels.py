@@ -3,34 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.tracking import TrackingErrors
 from space_robot_description.report import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import RobotState, Vector
+from space_robot_msgs_py.interfaces import Vector
 
 BASE = ("x", "y", "z", "roll", "pitch", "yaw")
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class ChannelErrors:
-    """Outputs of the channels at one stamp, desired minus actual.
-
-    Attributes:
-        error: (m,) position R^T (p_d - p) [m], attitude 2 epsilon of the error quaternion [rad], joints [rad or m].
-        rate: (m,) error of the velocity [m/s, rad/s].
-        velocity: (m,) desired velocity, in the actual body frame [m/s, rad/s].
-    """
-
-    error: Vector
-    rate: Vector
-    velocity: Vector
 
 
 def joint_channels(joint_names: Sequence[str]) -> tuple[str, ...]:
@@ -64,7 +47,7 @@ class Channels:
         if len(set(outputs) | set(held)) != len(outputs) + len(held):
             raise SpecError("a name twice", key="controller.gains.outputs, held", value=[*outputs, *held])
         self.names = tuple(outputs) or tuple(name for name in actuated if name not in held)
-        self.index = np.array([names.index(name) for name in self.names])
+        self.index = np.array([names.index(name) for name in self.names], dtype=np.int64)
         self._free = np.array([i for i, name in enumerate(names) if name not in held])
         self._robot = robot
         # A grasp is seen by cameras, and the one sample at the start may be a wrong one.
@@ -75,19 +58,17 @@ class Channels:
         """M."""
         return len(self.names)
 
+    @property
+    def joints(self) -> int:
+        """Number of joints of the robot."""
+        return self._robot.n
+
     def limits(self) -> Vector:
         """(m,) largest force, torque or effort of each input [N, N m]."""
         force = self._robot.actuators.base_force
         every = [force.limit if force else np.zeros(3), torque_capacity(self._robot)[0], self._robot.effort_limit]
         out: Vector = np.concatenate(every)[self.index]
         return out
-
-    def errors(self, state: RobotState, errors: TrackingErrors) -> ChannelErrors:
-        """Return the outputs of a state from its tracking errors."""
-        configuration = np.array(errors.configuration)
-        configuration[3:6] = 2.0 * errors.quaternion[:3]
-        desired = errors.velocity + state.v
-        return ChannelErrors(configuration[self.index], errors.velocity[self.index], desired[self.index])
 
     def response(self, model: NominalModel, q: Vector) -> Vector:
         """Return the (m, m) accelerations of the outputs per unit of input at rest, B [1/kg, 1/(kg m2)].

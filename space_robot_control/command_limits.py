@@ -97,11 +97,5 @@ class CommandLimits:
         # Clipped, because rounding may leave a channel a bit beyond its limit.
         return self.per_axis(bias + alpha * (u - bias))
 
-    def common_scale(self, u: Vector) -> float:
-        """Return the largest number in [0, 1] by which the command (6+n,) fits every limit."""
-        size = np.abs(self._channels(u))
-        beyond = size > self._all
-        return float((self._all[beyond] / size[beyond]).min(initial=1.0))
-
     def _channels(self, u: Vector) -> Vector:
         return np.concatenate((u, self.share @ u[3:6])) if self.share.size else u

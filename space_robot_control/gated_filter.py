@@ -5,7 +5,9 @@ from __future__ import annotations
 from math import exp
 
 import numpy as np
+import numpy.typing as npt
 
+from space_robot_control.kernel.gated_filter import FilterRule, filter_memory, filter_samples, restart_filter
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -24,27 +26,18 @@ class GatedFilter:
         patience: refusals in a row before a channel restarts.
 
     Attributes:
-        value: (m,) filtered.
-        rate: (m,) per second.
-        refused: (m,) number of samples refused so far.
-        missing: (m,) True where the last sample was refused.
-        sample: (m,) the last sample, or the prediction in its place.
+        rule: the numbers, for kernels.
+        memory: what it remembers, for kernels.
 
     Reference: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001, sec. 6.5.
     """
 
     def __init__(self, period: float, bandwidth: float, gate: Vector, patience: int) -> None:
-        pole = exp(-bandwidth * period)
-        self._period, self._gate, self._patience = period, np.array(gate), patience
-        self._g, self._h = 1.0 - pole * pole, (1.0 - pole) ** 2 / period
-        self.reset()
+        self.rule, self.memory = filter_rule(period, bandwidth, gate, patience), filter_memory(len(gate))
 
     def reset(self) -> None:
         """Forget the past; the next finite sample is accepted."""
-        m = self._gate.size
-        self.value, self.rate, self.sample = np.zeros(m), np.zeros(m), np.zeros(m)
-        self.refused, self._in_a_row = np.zeros(m), np.full(m, np.inf)
-        self.missing = np.zeros(m, dtype=bool)
+        restart_filter(self.memory)
 
     def update(self, sample: Vector, jump: Vector | None = None) -> None:
         """Take one sample per period.
@@ -53,16 +46,31 @@ class GatedFilter:
             sample: (m,) may hold numbers that are not finite.
             jump: (m,) by how much the quantity itself is known to have jumped since the last sample.
         """
-        predicted = self.value + self._period * self.rate + (0.0 if jump is None else jump)
-        finite = np.isfinite(sample)
-        innovation = np.where(finite, sample, predicted) - predicted
-        restart = finite & (self._in_a_row >= self._patience)
-        taken = finite & ~restart & (np.abs(innovation) <= self._gate)
-        self.missing = ~(taken | restart)
-        self.sample = predicted + np.where(self.missing, 0.0, innovation)
-        self.value = predicted + np.where(restart, innovation, np.where(taken, self._g * innovation, 0.0))
-        self.rate = np.where(restart, 0.0, self.rate + np.where(taken, self._h * innovation, 0.0))
-        # Before its first finite sample a channel has refused nothing, it has not begun.
-        began = np.isfinite(self._in_a_row)
-        self.refused = self.refused + (self.missing & began)
-        self._in_a_row = np.where(self.missing, self._in_a_row + 1.0, 0.0)
+        filter_samples(self.rule, self.memory, sample, np.zeros(sample.size) if jump is None else jump)
+
+    @property
+    def value(self) -> Vector:
+        """(m,) filtered."""
+        return self.memory.value
+
+    @property
+    def rate(self) -> Vector:
+        """(m,) per second."""
+        return self.memory.rate
+
+    @property
+    def refused(self) -> Vector:
+        """(m,) number of samples refused so far."""
+        return self.memory.refused
+
+    @property
+    def missing(self) -> npt.NDArray[np.bool_]:
+        """(m,) True where the last sample was refused."""
+        return self.memory.missing
+
+
+def filter_rule(period: float, bandwidth: float, gate: Vector, patience: int) -> FilterRule:
+    """The numbers of a ``GatedFilter``, from its arguments."""
+    pole = exp(-bandwidth * period)
+    limits = np.array(gate, dtype=np.float64)
+    return FilterRule(period, 1.0 - pole * pole, (1.0 - pole) ** 2 / period, patience, limits)

@@ -10,6 +10,7 @@ import pinocchio as pin
 from space_robot_description.kernel.arrays import robot_arrays
 from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE, inverse_dynamics
 from space_robot_description.kernel.jit import bound
+from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Vector
@@ -52,7 +53,7 @@ class NominalModel:
         self._lower = np.tril_indices(6 + robot.n, -1)
         self._zero = np.zeros(6 + robot.n)
         self.arrays = robot_arrays(model)
-        self._work = np.zeros((1 + robot.n, MOTION_SIZE))
+        self._work = np.zeros((len(self.arrays.links), MOTION_SIZE))
         q, out = np.zeros(7 + robot.n), np.zeros(6 + robot.n)
         self._inverse_dynamics = bound(inverse_dynamics, self.arrays, q, out, out, self._work, out)
 
@@ -62,6 +63,8 @@ class NominalModel:
         Args:
             q: (7+n,) configuration [m, -, rad].
         """
+        if self.robot.mimics:
+            return mass_matrix(self._model, q)
         m = np.array(pin.crba(self._model, self._data, q))
         m[self._lower] = m.T[self._lower]
         return m

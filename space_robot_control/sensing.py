@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from pydantic import Field, NonNegativeInt, PositiveFloat
 
-from space_robot_control.channels import BASE, ChannelErrors, Channels
-from space_robot_control.gated_filter import GatedFilter
-from space_robot_control.tracking import tracking_errors
+from space_robot_control.channels import BASE, Channels
+from space_robot_control.gated_filter import filter_rule
+from space_robot_control.kernel.sensing import SensingRule, restart_sensing, sense, sensing_memory
+from space_robot_control.tracking import TrackingErrors
+from space_robot_description.kernel.jit import bound
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
@@ -24,7 +28,10 @@ class FilterSpec(Strict):
 
 
 class Sensing:
-    """Errors of the channels, their rates and the robot's own motion, tick by tick.
+    """Errors of the channels, their rates and the robot's own motion, tick by tick; desired minus actual.
+
+    The error is R^T (p_d - p) for the position [m], 2 epsilon of the error quaternion for the attitude [rad], q_d - q
+    for joints [rad or m]; its rate is the error of the velocity, in the actual body frame.
 
     Without a filter the errors and rates are those of the measured state. With one, the rate comes from the positions
     and the measured velocity is not used. The robot's own motion is what is left of the change of the error when the
@@ -36,59 +43,39 @@ class Sensing:
         period: control period [s].
 
     Attributes:
-        error: (m,) error [m, rad].
-        rate: (m,) its rate [m/s, rad/s].
-        sample: (m,) the error before the filter, wrong samples replaced.
-        moved: (m,) own motion since the last tick, from ``error`` [m, rad].
-        moved_sample: (m,) the same from ``sample``.
-        sped: (m,) own change of velocity since the last tick [m/s, rad/s].
-        missing: (m,) True where the sample was refused.
-        refused: (m,) samples refused so far.
+        rule: the numbers, for kernels.
+        memory: what is sensed and remembered, for kernels: ``error`` (m,) [m, rad], ``rate`` (m,) [m/s, rad/s];
+            ``sample``, the error before the filter, wrong samples replaced; ``moved`` and ``moved_sample``, the own
+            motion since the last tick from the two; ``sped``, own change of velocity since then.
     """
 
     def __init__(self, channels: Channels, spec: FilterSpec | None, period: float) -> None:
-        self._channels, self._period = channels, period
-        self._filter: GatedFilter | None = None
-        if spec is not None:
-            lengths = [name in BASE[:3] for name in channels.names]
-            gate = np.where(lengths, spec.gate_length, np.radians(spec.gate_angle_deg))
-            self._filter = GatedFilter(period, spec.bandwidth, gate, spec.patience)
-        self.reset()
+        known = spec or FilterSpec()
+        lengths = [name in BASE[:3] for name in channels.names]
+        gate = np.where(lengths, known.gate_length, np.radians(known.gate_angle_deg))
+        numbers = filter_rule(period, known.bandwidth, gate, known.patience)
+        self.rule = SensingRule(channels.index, int(spec is not None), numbers)
+        self.memory = sensing_memory(channels.joints, channels.size)
+        self._sense: Callable[..., None] | None = None
 
     def reset(self) -> None:
         """Forget the past."""
-        zero = np.zeros(self._channels.size)
-        self.error = self.rate = self.sample = self.moved = self.moved_sample = self.sped = self.refused = zero
-        self.missing = zero > 0.0
-        self._last: tuple[RobotState, Reference, ChannelErrors] | None = None
-        if self._filter is not None:
-            self._filter.reset()
+        restart_sensing(self.memory)
 
-    def update(self, state: RobotState, reference: Reference, now: ChannelErrors) -> None:
-        """Take the errors of one tick."""
-        desired_move, desired_change, jump = self._reference_change(reference, now)
-        error, rate, sample = self.error, self.rate, self.sample
-        if self._filter is None:
-            self.error, self.rate, self.sample = now.error, now.rate, now.error
-        else:
-            self._filter.update(now.error, jump)
-            self.error, self.rate, self.sample = self._filter.value, self._filter.rate, self._filter.sample
-            self.missing, self.refused = self._filter.missing, self._filter.refused
-        if self._last is not None:
-            self.moved = desired_move - (self.error - error)
-            self.moved_sample = desired_move - (self.sample - sample)
-            self.sped = desired_change - (self.rate - rate)
-        self._last = state, reference, now
+    def update(self, state: RobotState, reference: Reference) -> TrackingErrors:
+        """Take the errors of one tick; returns them as a whole.
 
-    def _reference_change(self, reference: Reference, now: ChannelErrors) -> tuple[Vector, Vector, Vector]:
-        """Motion and change of velocity of the reference since the last tick, and what of the motion was a jump."""
-        if self._last is None:
-            zero = np.zeros(self._channels.size)
-            return zero, zero, zero
-        state, before, errors = self._last
-        if before.q.tobytes() == reference.q.tobytes():
-            moved = np.zeros(self._channels.size)
-        else:
-            # The last state against the new reference: exact for any chart of the attitude, also for a jump.
-            moved = self._channels.errors(state, tracking_errors(state, reference)).error - errors.error
-        return moved, now.velocity - errors.velocity, moved - 0.5 * self._period * (now.velocity + errors.velocity)
+        Args:
+            state: measured.
+            reference: of the same stamp.
+        """
+        if self._sense is None:
+            q, v = np.zeros(7 + state.joints.size), np.zeros(6 + state.joints.size)
+            self._sense = bound(sense, self.rule, self.memory, q, v, q, v, v)
+        self._sense(self.rule, self.memory, state.q, state.v, reference.q, reference.v, reference.a)
+        return TrackingErrors(*(part.copy() for part in self.memory.now))
+
+    @property
+    def refused(self) -> Vector:
+        """(m,) samples refused so far; 0 without a filter."""
+        return self.memory.filter.refused

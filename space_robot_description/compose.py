@@ -12,10 +12,11 @@ import pinocchio as pin
 
 from space_robot_description.changed_inertia import change_inertias
 from space_robot_description.inertia import check_inertia
-from space_robot_description.robot_spec import BaseSpec, JointLimits, RobotSpec, tensor
+from space_robot_description.mimic import mimic_of
+from space_robot_description.robot_spec import BaseSpec, JointLimits, Pose, RobotSpec, tensor
 from space_robot_description.spec import check_joint_names
 from space_robot_description.urdf import MOVING, Tree, kind_of, parse_urdf
-from space_robot_description.urdf_values import axis_of, number, numbers
+from space_robot_description.urdf_values import axis_of, numbers
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 
 BASE_LINK = "base_link"
@@ -47,7 +48,7 @@ def compose_urdf(spec: RobotSpec, text: str, folder: Path | None) -> tuple[str, 
     else:
         _mount(tree, spec.base)
     if folder is not None:
-        _absolute_meshes(tree.root, folder)
+        absolute_meshes(tree.root, folder)
     _lock(tree, spec.locked_joints)
     _override_limits(tree, spec.joint_limits)
     # By the names of the result; the satellite has its own numbers in the robot file.
@@ -71,15 +72,25 @@ def _mount(tree: Tree, base: BaseSpec) -> None:
         free = _free_name(f"arm_{name}", tree.links)
         _rename_link(tree, name, free)
         arm_root = free if name == arm_root else arm_root
-    joint = ET.Element("joint", name=_free_name(MOUNT_JOINT, tree.joints), type="fixed")
-    ET.SubElement(joint, "origin", xyz=_text(base.mount.xyz), rpy=_text(base.mount.rpy))
+    tree.root.insert(0, satellite(base))
+    tree.root.insert(1, stand_on(_free_name(MOUNT_JOINT, tree.joints), base.mount, arm_root))
+
+
+def stand_on(name: str, mount: Pose, link: str) -> ET.Element:
+    """A fixed joint between the satellite and the root link of an arm."""
+    joint = ET.Element("joint", name=name, type="fixed")
+    ET.SubElement(joint, "origin", xyz=_text(mount.xyz), rpy=_text(mount.rpy))
     ET.SubElement(joint, "parent", link=BASE_LINK)
-    ET.SubElement(joint, "child", link=arm_root)
-    tree.root.insert(0, _satellite(base))
-    tree.root.insert(1, joint)
+    ET.SubElement(joint, "child", link=link)
+    return joint
 
 
-def _satellite(base: BaseSpec) -> ET.Element:
+def satellite(base: BaseSpec) -> ET.Element:
+    """The link under the arms.
+
+    Raises:
+        InertiaError: the satellite cannot exist.
+    """
     inertia, com = tensor(base.inertia, "base.inertia"), np.array(base.com)
     check_inertia(BASE_LINK, base.mass, com, inertia)
     link = ET.Element("link", name=BASE_LINK)
@@ -117,7 +128,8 @@ def _free_name(wanted: str, taken: Mapping[str, object]) -> str:
     return wanted
 
 
-def _absolute_meshes(root: ET.Element, folder: Path) -> None:
+def absolute_meshes(root: ET.Element, folder: Path) -> None:
+    """Let relative mesh paths start at a folder."""
     for mesh in root.iter("mesh"):
         name = mesh.get("filename", "")
         if name and "://" not in name:
@@ -129,12 +141,12 @@ def _lock(tree: Tree, locked: Mapping[str, float]) -> None:
     check_joint_names(list(locked), moving, "locked_joints")
     positions = dict(locked)
     # A follower may follow a follower, in any order in the file.
-    followers = {name: mimic for name, joint in tree.joints.items() if (mimic := joint.find("mimic")) is not None}
-    while found := [n for n, mimic in followers.items() if n not in positions and mimic.get("joint") in positions]:
+    followers = {name: mimic for name, joint in tree.joints.items() if (mimic := mimic_of(name, joint)) is not None}
+    positions = {name: mimic.offset for name, mimic in followers.items() if mimic.multiplier == 0.0} | positions
+    while found := [n for n, mimic in followers.items() if n not in positions and mimic.joint in positions]:
         for name in found:
-            factor, offset = (number(followers[name], field, f"joint {name}") for field in ("multiplier", "offset"))
-            master = positions[followers[name].get("joint", "")]
-            positions[name] = (1.0 if factor is None else factor) * master + (offset or 0.0)
+            mimic = followers[name]
+            positions[name] = mimic.multiplier * positions[mimic.joint] + mimic.offset
     for name, position in positions.items():
         _fix(name, tree.joints[name], position)
 

@@ -11,12 +11,14 @@ import pinocchio as pin
 from space_robot_description.mass_matrix import coupling_condition
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
-from space_robot_description.urdf import Tree, parse_urdf
+from space_robot_description.urdf import Tree, kind_of, parse_urdf
 from space_robot_description.urdf_values import to_float
 from space_robot_description.visual import Look, look_of
 
 # Beyond, an error of 1e-5 in a torque is one as large as the motion itself.
 ILL_CONDITIONED = 1e5
+# [rad or m] by which the rounded limits of two coupled joints may differ.
+SLACK = 1e-3
 
 
 def robot_warnings(robot: Robot) -> tuple[str, ...]:
@@ -26,7 +28,7 @@ def robot_warnings(robot: Robot) -> tuple[str, ...]:
         robot: as loaded; deviations and payload are seen in its numbers, not in its looks.
     """
     tree = parse_urdf(robot.urdf, "urdf")
-    return (*_conditioned(robot), *_unused_friction(robot, tree), *_too_wide(robot, tree))
+    return (*_conditioned(robot), *_unused_friction(robot, tree), *_beyond(robot, tree), *_too_wide(robot, tree))
 
 
 def _conditioned(robot: Robot) -> Iterator[str]:
@@ -50,6 +52,21 @@ def _unused_friction(robot: Robot, tree: Tree) -> Iterator[str]:
     if unused:
         where = "actuators.joints.viscous and coulomb"
         yield f"damping and friction of the URDF are not used ({', '.join(unused)}); say what there is in {where}"
+
+
+def _beyond(robot: Robot, tree: Tree) -> Iterator[str]:
+    """Followers that the range of the joint they follow takes beyond their own limits, which nothing keeps."""
+    for name, mimic in robot.mimics.items():
+        limit, master = tree.joints[name].find("limit"), robot.joint_names.index(mimic.joint)
+        if limit is None or kind_of(tree.joints[name]) == "continuous":
+            continue
+        reached = [mimic.multiplier * end[master] + mimic.offset for end in (robot.joint_lower, robot.joint_upper)]
+        lower, upper = (to_float(limit.get(end, "0")) for end in ("lower", "upper"))
+        if min(reached) < lower - SLACK or max(reached) > upper + SLACK:
+            yield (
+                f"joint {name} follows {mimic.joint} from {min(reached):g} to {max(reached):g}, and its own limits are "
+                f"{lower:g} to {upper:g}; what holds is joint_limits.{mimic.joint}"
+            )
 
 
 def _too_wide(robot: Robot, tree: Tree) -> Iterator[str]:

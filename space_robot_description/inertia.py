@@ -110,13 +110,13 @@ def is_consistent(parameters: Vector, *, limit: bool = False) -> bool:
 
 
 def inertial_parameters(robot: Robot) -> Vector:
-    """The (1+n, 10) inertial parameters, base first, each in its joint frame.
+    """The (1+N, 10) inertial parameters of all bodies, base first, each in its joint frame.
 
     Returns:
         Rows [m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz], inertia about the joint origin [kg, kg m, kg m2].
     """
     inertias: Any = robot.model.inertias
-    return np.array([inertias[index].toDynamicParameters() for index in range(1, robot.n + 2)])
+    return np.array([inertias[index].toDynamicParameters() for index in range(1, len(inertias))])
 
 
 def _largest(inertia: Vector) -> float:

@@ -1,8 +1,8 @@
-"""How many joints a robot has, from its file and its URDF alone: no model is made."""
+"""How many joints a robot has, from its file and its URDFs alone: no model is made."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,18 +15,26 @@ _FIXED = "fixed"
 
 
 def count_joints(data: Mapping[str, Any], folder: Path) -> int:
-    """The joints that move: those of the URDF but the fixed ones, those the file locks, and what follows these.
+    """The joints with a coordinate: those of the URDFs but fixed ones, those the file locks, and what follows others.
 
     Args:
-        data: content of a robot file whose ``urdf`` names a URDF file.
+        data: content of a robot file whose ``urdf``, or that of each of its ``arms``, names a URDF file.
         folder: where a relative path starts.
 
     Raises:
         SpaceRobotError: there is no such URDF, or it cannot be read.
     """
-    path = resource(str(data["urdf"]), folder)
-    root = parse_xml(decode_xml(read_bytes(path, URDF_BYTES), str(path)), str(path))
     locked = data.get("locked_joints", {})
-    moving = [joint for joint in root.findall("joint") if joint.get("type") != _FIXED]
-    # What follows a joint that is not locked is refused where the robot is made.
-    return sum(joint.get("name") not in locked and joint.find("mimic") is None for joint in moving)
+    arms = data.get("arms", {"": data})
+    return sum(
+        (f"{arm}_{name}" if arm else name) not in locked
+        for arm, section in arms.items()
+        for name in _moving(resource(str(section["urdf"]), folder))
+    )
+
+
+def _moving(path: Path) -> Iterator[str]:
+    root = parse_xml(decode_xml(read_bytes(path, URDF_BYTES), str(path)), str(path))
+    for joint in root.findall("joint"):
+        if joint.get("type") != _FIXED and joint.find("mimic") is None:
+            yield joint.get("name", "")

@@ -47,13 +47,11 @@ def read_joint(name: str, joint: ET.Element) -> JointRow | None:
     if kind not in MOVING:
         hint = "; the root link is free by itself, drop this joint" if kind == "floating" else ""
         raise SpecError("joint type cannot be used", key=key, value=kind, accepted=f"fixed, {', '.join(MOVING)}{hint}")
-    if joint.find("mimic") is not None:
-        raise SpecError(
-            "mimics another joint; a coupled joint has no effort of its own",
-            key=key,
-            accepted="lock it, or the joint it follows, in locked_joints",
-        )
-    return JointRow(axis_of(joint, key), *_limits(name, kind, joint.find("limit")), prismatic=kind == "prismatic")
+    limit = joint.find("limit")
+    # A follower has the limits of the joint it follows; its own ones say nothing new, or what the two cannot do.
+    follows = limit is None and joint.find("mimic") is not None
+    limits = (-math.inf, math.inf, math.inf, 0.0) if follows else _limits(name, kind, limit)
+    return JointRow(axis_of(joint, key), *limits, prismatic=kind == "prismatic")
 
 
 def _limits(name: str, kind: str, limit: ET.Element | None) -> tuple[float, float, float, float]:

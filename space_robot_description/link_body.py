@@ -32,11 +32,6 @@ class LinkBody:
     com: Vector
     inertia: Vector
 
-    @property
-    def is_frame(self) -> bool:
-        """It has neither mass nor inertia."""
-        return self.mass == 0.0 and not np.any(self.inertia)
-
     def spatial(self) -> Any:
         """``pin.Inertia`` in the link; set field by field, as its constructor refuses what may be part of a body."""
         inertia = pin.Inertia.Zero()

@@ -13,9 +13,11 @@ from space_robot_description.actuation import check_actuators
 from space_robot_description.compose import compose_urdf
 from space_robot_description.joint_row import JointRow
 from space_robot_description.mass_matrix import check_invertible
-from space_robot_description.model import build_model, end_of_arm
+from space_robot_description.mimic import read_mimics
+from space_robot_description.model import build_model, end_of_arm, moving_links
 from space_robot_description.robot import Robot
-from space_robot_description.robot_spec import RobotSpec
+from space_robot_description.robot_spec import ArmSpec, RobotSpec, check_sources
+from space_robot_description.several_arms import join_arms
 from space_robot_description.share import config_dir, is_file, resource, shipped
 from space_robot_description.spec import Actuators, expand
 from space_robot_description.urdf import Tree, child_of, parse_urdf
@@ -78,21 +80,21 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
     Raises:
         SpaceRobotError: see `load_robot`.
     """
-    text, urdf_folder = _urdf_text(spec, folder)
-    urdf, notes = compose_urdf(spec, text, urdf_folder)
+    single, text, urdf_folder = _one_urdf(spec, folder)
+    urdf, notes = compose_urdf(single, text, urdf_folder)
     tree = parse_urdf(urdf, f"{spec.name} urdf")
     model, rows = build_model(tree)
     names = tuple(rows)
-    bodies = (tree.root_link, *(child_of(tree.joints[name]) for name in names))
     actuators = check_actuators(spec, names, [row.effort for row in rows.values()])
     home = _home(spec, rows)
-    check_invertible(model, np.concatenate([pin.neutral(model)[:7], home]), bodies)
+    moved = (tree.root_link, *(child_of(tree.joints[name]) for name in names))
+    check_invertible(model, np.concatenate([pin.neutral(model)[:7], home]), moved)
     return Robot(
         name=spec.name,
         urdf=urdf,
         model=model,
         joint_names=names,
-        body_names=bodies,
+        body_names=moving_links(tree, model),
         base_mode=spec.base_mode,
         actuators=actuators,
         effort_limit=expand(actuators.joints.effort, names, "actuators.joints.effort"),
@@ -100,17 +102,33 @@ def robot_from_spec(spec: RobotSpec, folder: Path) -> Robot:
         joint_upper=_column(rows, "upper"),
         joint_rate_limit=_column(rows, "velocity"),
         home=home,
-        tool_frame=_tool(spec, tree),
-        resolved=_resolved(spec, urdf, actuators),
+        tool_frame=_tool(single, tree),
+        tools=_tools(single, tree),
+        resolved=_resolved(single, urdf, actuators),
         notes=notes,
+        mimics=read_mimics(tree),
     )
 
 
-def _urdf_text(spec: RobotSpec, folder: Path) -> tuple[str, Path | None]:
+def _one_urdf(spec: RobotSpec, folder: Path) -> tuple[RobotSpec, str, Path | None]:
+    """The robot file as one of a single URDF, that URDF, and where it lies."""
+    check_sources(spec)
+    if not spec.arms:
+        return spec, *_urdf_text(spec, folder, "")
+    texts = {name: _urdf_text(arm, folder, f"arms.{name}.") for name, arm in spec.arms.items()}
+    text, tools = join_arms(spec, texts)
+    tool = spec.tool or next(iter(tools.values()))
+    done = {"urdf": text, "arms": {}, "base": None, "tool": tool, "tools": tools | spec.tools}
+    return spec.model_copy(update=done), text, None
+
+
+def _urdf_text(spec: RobotSpec | ArmSpec, folder: Path, key: str) -> tuple[str, Path | None]:
     inside = spec.urdf.lstrip().startswith("<")
     if spec.xacro_args and (inside or not is_xacro(spec.urdf)):
         value = "URDF text" if inside else short(spec.urdf)
-        raise SpecError("only a xacro file has arguments", key="xacro_args", value=value, accepted="urdf: FILE.xacro")
+        raise SpecError(
+            "only a xacro file has arguments", key=f"{key}xacro_args", value=value, accepted="urdf: FILE.xacro"
+        )
     if inside:
         return spec.urdf, None
     path = resource(spec.urdf, folder)
@@ -149,6 +167,14 @@ def _tool(spec: RobotSpec, tree: Tree) -> str:
         accepted = nearest(spec.tool, tree.links) or ", ".join(tree.links)
         raise SpecError("no such link", key="tool", value=spec.tool, accepted=accepted)
     return spec.tool
+
+
+def _tools(spec: RobotSpec, tree: Tree) -> dict[str, str]:
+    for name, link in spec.tools.items():
+        if link not in tree.links:
+            accepted = nearest(link, tree.links) or ", ".join(tree.links)
+            raise SpecError("no such link", key=f"tools.{name}", value=link, accepted=accepted)
+    return dict(spec.tools)
 
 
 def _resolved(spec: RobotSpec, urdf: str, actuators: Actuators) -> dict[str, Any]:

@@ -19,6 +19,8 @@ SINGULAR = 1e-12
 def mass_matrix(model: Any, q: Vector) -> Vector:
     """Return M(q) (6+n, 6+n) [kg, kg m, kg m2].
 
+    Of joints that mimic others, too: ``pin.crba`` then adds to what its data hold from a call before, so data are new.
+
     Args:
         model: ``pin.Model`` of a robot.
         q: (7+n,) configuration [m, -, rad or m].

@@ -14,6 +14,7 @@ import pinocchio as pin
 from space_robot_description.inertia import check_body
 from space_robot_description.joint_row import JointRow, read_joint
 from space_robot_description.link_body import LinkBody, can_exist, read_body
+from space_robot_description.mimic import couple, read_mimics
 from space_robot_description.sums import check_sums
 from space_robot_description.urdf import MOVING, Tree, child_of, kind_of, parent_of
 from space_robot_description.urdf_values import placement_of
@@ -35,7 +36,8 @@ def build_model(tree: Tree) -> tuple[Any, dict[str, JointRow]]:
         tree: of the composed URDF.
 
     Returns:
-        ``pin.Model`` with gravity zero, and the moving joints in model order.
+        ``pin.Model`` with gravity zero, and the joints that have a coordinate in its order: all that move, but for
+        those that mimic another one, which are ``JointModelMimic`` in the model.
 
     Raises:
         SpecError: a joint that cannot be a single coordinate, or bad limits.
@@ -46,11 +48,17 @@ def build_model(tree: Tree) -> tuple[Any, dict[str, JointRow]]:
     if not rows:
         raise SpecError("no moving joint is left", key="urdf", accepted="a robot with at least one")
     rows = {name: rows[name] for name in tree.walk() if name in rows}
-    model = _assembled(tree, bodies, rows)
+    mimics = read_mimics(tree)
+    model = couple(_assembled(tree, bodies, rows), mimics)
     model.gravity.setZero()
-    _check_bodies(tree, bodies, model, [tree.root_link, *(child_of(tree.joints[name]) for name in rows)])
+    _check_bodies(tree, bodies, model, moving_links(tree, model))
     check_sums(tree, bodies, model)
-    return model, rows
+    return model, {name: row for name, row in rows.items() if name not in mimics}
+
+
+def moving_links(tree: Tree, model: Any) -> tuple[str, ...]:
+    """The links whose bodies move, in the order of the model, base first."""
+    return (tree.root_link, *(child_of(tree.joints[name]) for name in list(model.names)[2:]))
 
 
 def end_of_arm(tree: Tree) -> str:

@@ -27,7 +27,10 @@ class Payload(Strict):
         description="about its centre of mass, axes of its frame [kg m2]: [Ixx, Iyy, Izz], or those and Ixy, Ixz, Iyz, "
         "or a mapping ixx..iyz; zero: a point mass",
     )
-    frame: str = Field(default="tool", description="link or joint that holds it; `tool` is the end of the arm")
+    frame: str = Field(
+        default="tool",
+        description="link or joint that holds it; `tool` is the end of the arm, of several arms a tool by its name",
+    )
     pose: Pose = Field(default_factory=Pose, description="the payload's frame in the holding frame")
 
 
@@ -86,7 +89,7 @@ def _entries(inertia: InertiaInput) -> tuple[float, ...]:
 def _holder(robot: Robot, frame: str) -> tuple[int, pin.SE3]:
     """Index of the moving joint and the frame's place in it; a link wins over a joint of the same name."""
     model: Any = robot.model
-    name = robot.tool_frame if frame == "tool" and robot.tool_frame else frame
+    name = robot.tool_frame if frame == "tool" and robot.tool_frame else robot.tools.get(frame, frame)
     found = [item for item in model.frames if item.name == name and item.type != pin.FrameType.OP_FRAME]
     found.sort(key=lambda item: item.type != pin.FrameType.BODY)
     if not found or found[0].parentJoint == 0:

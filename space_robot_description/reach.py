@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import dist
 
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.kernel.joints import joint_axes
+from space_robot_description.mimic import Mimic
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Vector
 
@@ -29,8 +31,9 @@ class Reach:
     sampled: float
 
 
-def reach_of(robot: Robot) -> Reach:
-    """Reach of ``robot.tool_frame``; deterministic."""
+def reach_of(robot: Robot, link: str = "") -> Reach:
+    """Reach of a link, by default of ``robot.tool_frame``; deterministic."""
+    robot = replace(robot, tool_frame=link or robot.tool_frame)
     chain = _chain(robot)
     if not chain:
         return Reach(0.0, 0.0)
@@ -54,9 +57,12 @@ def _chain(robot: Robot) -> list[int]:
 def _sum_bound(robot: Robot, chain: list[int]) -> float:
     steps = [robot.model.jointPlacements[index].translation for index in chain[1:]]
     total = float(sum(np.linalg.norm(step) for step in [*steps, _tool(robot)[1]]))
-    for index in chain:
-        if robot.model.joints[index].shortname().startswith("JointModelP"):
-            total += float(max(abs(robot.joint_lower[index - 2]), abs(robot.joint_upper[index - 2])))
+    _, slides = joint_axes(robot.model)
+    for index in [index for index in chain if slides[index - 2]]:
+        mimic = robot.mimics.get(robot.model.names[index], Mimic("", 1.0, 0.0))
+        coordinate = robot.model.joints[index].idx_v - 6
+        lower, upper = float(robot.joint_lower[coordinate]), float(robot.joint_upper[coordinate])
+        total += max(abs(mimic.multiplier * end + mimic.offset) for end in (lower, upper))
     return total
 
 
@@ -70,7 +76,7 @@ def _sampled(robot: Robot, chain: list[int]) -> float:
     candidates = [robot.home.copy(), *postures]
     best = max(candidates, key=distances)
     for _ in range(2):
-        for index in [joint - 2 for joint in chain]:
+        for index in dict.fromkeys(robot.model.joints[joint].idx_v - 6 for joint in chain):
             trials = [best]
             for value in np.linspace(lower[index], upper[index], 73):
                 trial = best.copy()

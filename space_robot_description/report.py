@@ -81,9 +81,11 @@ class RobotReport:
         torque_capacity: (3,) largest torque about each body axis alone [N m], wheels as above.
         force_capacity: (3,) [N]; None for a free-floating base.
         reach: of the tool, from the first joint on its chain.
+        tools: of several arms: name -> link of the tool, and its reach.
         coupling: of arm and base at home.
         joints: in model order.
         actuators: as in the robot file.
+        followers: joint that mimics another -> {joint, multiplier, offset}.
         notes: what the robot file changed in the URDF's inertias.
         warnings: what will probably go wrong with it.
     """
@@ -103,6 +105,8 @@ class RobotReport:
     coupling: Coupling
     joints: tuple[JointReport, ...]
     actuators: dict[str, Any]
+    tools: dict[str, dict[str, Any]]
+    followers: dict[str, dict[str, Any]]
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
@@ -135,6 +139,8 @@ def robot_report(robot: Robot) -> RobotReport:
         coupling=coupling_at(robot, robot.home),
         joints=_joints(robot),
         actuators=robot.actuators.model_dump(mode="json"),
+        tools={name: {"link": link, "reach": reach_of(robot, link)} for name, link in robot.tools.items()},
+        followers={name: mimic._asdict() for name, mimic in robot.mimics.items()},
         notes=robot.notes,
         warnings=robot_warnings(robot),
     )
@@ -152,7 +158,7 @@ def coupling_at(robot: Robot, joints: Vector) -> Coupling:
 
 
 def _bodies(robot: Robot) -> tuple[BodyRow, ...]:
-    inertias = [robot.model.inertias[index] for index in range(1, robot.n + 2)]
+    inertias = list(robot.model.inertias)[1:]
     return tuple(
         BodyRow(name, float(body.mass), body.lever.copy(), body.inertia.copy())
         for name, body in zip(robot.body_names, inertias, strict=True)
@@ -176,8 +182,8 @@ def _joints(robot: Robot) -> tuple[JointReport, ...]:
     return tuple(
         JointReport(
             name=name,
-            kind="prismatic" if "JointModelP" in robot.model.joints[index + 2].shortname() else "revolute",
-            body=robot.body_names[index + 1],
+            kind="prismatic" if robot.prismatic[index] else "revolute",
+            body=robot.body_names[robot.model.getJointId(name) - 1],
             lower=float(robot.joint_lower[index]),
             upper=float(robot.joint_upper[index]),
             rate_limit=float(robot.joint_rate_limit[index]),

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, PositiveFloat
+from pydantic import Field, PositiveFloat, SerializerFunctionWrapHandler, model_serializer
 
 from space_robot_description.spec import Actuators, PerJoint, Strict, Three
+from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.limits import NAME_LENGTH, URDF_BYTES
 
+ArmName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", max_length=NAME_LENGTH.most)]
 INERTIA_KEYS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -52,6 +54,19 @@ class BaseSpec(Strict):
     )
 
 
+class ArmSpec(Strict):
+    """One of several arms on the satellite. Its names are those of its own URDF."""
+
+    urdf: str = Field(min_length=1, max_length=URDF_BYTES.most, description="as that of a robot")
+    xacro_args: dict[str, bool | int | float | str] = Field(
+        default_factory=dict, description="arguments of a xacro file by name"
+    )
+    mount: Pose = Field(default_factory=Pose, description="its root link in base_link")
+    tool: str | None = Field(
+        default=None, description="link at its end; default: link `tool`, else the end of the longest chain"
+    )
+
+
 class JointLimits(Strict):
     """Limits that override the URDF's."""
 
@@ -78,13 +93,18 @@ class RobotSpec(Strict):
     name: str = Field(min_length=1, max_length=NAME_LENGTH.most)
     description: str = ""
     urdf: str = Field(
-        min_length=1,
+        default="",
         max_length=URDF_BYTES.most,
         description="path relative to this file, package://<package>/<path>, example-robot-data:<path under robots/>, "
         "or the URDF text itself; FILE.xacro is expanded where the extra `xacro` is installed",
     )
     xacro_args: dict[str, bool | int | float | str] = Field(
         default_factory=dict, description="arguments of a xacro file by name"
+    )
+    arms: dict[ArmName, ArmSpec] = Field(
+        default_factory=dict,
+        description="several arms on the satellite `base`, in place of `urdf`: name -> arm; its links and joints get "
+        "the name and an underscore in front",
     )
     base: BaseSpec | None = Field(
         default=None, description="present: the URDF is an arm and stands on this satellite; absent: it is everything"
@@ -104,8 +124,35 @@ class RobotSpec(Strict):
         default_factory=InertiaChanges, description="inertias that replace the URDF's; names of links as composed"
     )
     tool: str | None = Field(
-        default=None, description="link at the end of the arm; default: link `tool`, else the end of the longest chain"
+        default=None,
+        description="link at the end of the arm; default: link `tool`, else the end of the longest chain; of several "
+        "arms that of the first",
     )
+    tools: dict[ArmName, str] = Field(
+        default_factory=dict, description="more links that are tools, by a name for references and payloads"
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # A robot of one arm is, to the byte, what it was before there were several.
+        return {key: value for key, value in handler(self).items() if key not in ("arms", "tools") or value}
+
+
+def check_sources(spec: RobotSpec) -> None:
+    """Refuse a robot without a URDF, or with arms that have nothing to stand on.
+
+    Raises:
+        SpecError: it names the key.
+    """
+    if not spec.urdf and not spec.arms:
+        raise SpecError("missing", key="urdf", accepted="a URDF, or arms: {left: {urdf: ...}, ...} on a base")
+    if spec.urdf and spec.arms:
+        raise SpecError("arms have URDFs of their own", key="urdf", value=short(spec.urdf), accepted="urdf or arms")
+    if spec.arms and spec.base is None:
+        raise SpecError("missing", key="base", accepted="the satellite on which the arms stand: {mass, inertia}")
+    if spec.arms and spec.base is not None and spec.base.mount != Pose():
+        value, accepted = list(spec.base.mount.xyz), "arms.NAME.mount, of each arm"
+        raise SpecError("is of a single arm", key="base.mount", value=value, accepted=accepted)
 
 
 def tensor(entries: InertiaInput, key: str) -> Vector:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast, get_args
 
 import numpy as np
 from pydantic import (
@@ -20,10 +20,16 @@ from pydantic import (
 from pydantic_core import CoreSchema
 
 from space_robot_description.frozen import READ_ONLY, frozen
-from space_robot_description.validation import nearest
+from space_robot_description.validation import nearest, refusal
 from space_robot_msgs_py.errors import NonFiniteError, SpecError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.limits import TEXT_LENGTH, TITLE_LENGTH
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    # It has no public name.
+    ModelMetaclass = type(BaseModel)
 
 Title = Annotated[str, Field(max_length=TITLE_LENGTH.most)]
 Three = Annotated[tuple[float, ...], Field(min_length=3, max_length=3)]
@@ -60,7 +66,18 @@ def _may_hold(annotation: Any) -> bool:
     return origin in (dict, list) or any(_may_hold(part) for part in get_args(annotation))
 
 
-class Strict(BaseModel):
+class _ByHand(ModelMetaclass):
+    """What makes a ``Strict``: one that is made by hand is refused in the words of a file's."""
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        try:
+            return super().__call__(*args, **kwargs)
+        except ValidationError as error:
+            name = cls.__qualname__.rpartition("<locals>.")[2]
+            raise refusal(cast(type[BaseModel], cls), error, kwargs, f"{name}.") from None
+
+
+class Strict(BaseModel, metaclass=_ByHand):
     """Base of every typed file: unknown keys, NaN, infinity and what is no number are errors.
 
     Values are immutable to the last dict and list inside: what was checked is what is run.

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
+from space_robot_description.branch_order import masters_first
 from space_robot_description.urdf_plain import plain_robot
 from space_robot_msgs_py.bounded_xml import parse_xml
 from space_robot_msgs_py.errors import SpecError
@@ -23,7 +24,8 @@ class Tree:
         links: link name -> element, document order.
         joints: joint name -> element, document order.
         root_link: the one link that is no link's child.
-        children: link name -> its joints, sorted by joint name as Pinocchio visits them.
+        children: link name -> its joints, sorted by joint name as Pinocchio visits them; a joint that mimics another
+            one stands behind it.
     """
 
     root: ET.Element
@@ -110,4 +112,9 @@ def _tree(root: ET.Element, links: dict[str, ET.Element], joints: dict[str, ET.E
     tree = Tree(root, links, joints, roots[0], children)
     if lost := sorted(set(joints) - set(tree.walk())):
         raise SpecError("joints form a loop", key=where, value=", ".join(lost), accepted="a single tree")
+    masters = {
+        name: mimic.get("joint", "") for name, joint in joints.items() if (mimic := joint.find("mimic")) is not None
+    }
+    if masters:
+        children.update(masters_first(children, {name: child_of(joint) for name, joint in joints.items()}, masters))
     return tree

@@ -35,12 +35,16 @@ def validate(model_class: type[Model], data: object, where: str) -> Model:
     try:
         return model_class.model_validate(data)
     except ValidationError as error:
-        by_path: dict[tuple[str | int, ...], list[Any]] = {}
-        # A misspelt key is also a missing one: the spelling is the cause.
-        for problem in sorted(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden"):
-            by_path.setdefault(_data_path(problem, data), []).append(problem)
-        errors = [_spec_error(model_class, same, path, where) for path, same in by_path.items()]
-        raise with_others(errors) from None
+        raise refusal(model_class, error, data, where) from None
+
+
+def refusal(model_class: type[BaseModel], error: ValidationError, data: object, where: str) -> SpaceRobotError:
+    """What ``validate`` raises, of what pydantic raised."""
+    by_path: dict[tuple[str | int, ...], list[Any]] = {}
+    # A misspelt key is also a missing one: the spelling is the cause.
+    for problem in sorted(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden"):
+        by_path.setdefault(_data_path(problem, data), []).append(problem)
+    return with_others([_spec_error(model_class, same, path, where) for path, same in by_path.items()])
 
 
 def with_others(errors: Sequence[SpaceRobotError]) -> SpaceRobotError:

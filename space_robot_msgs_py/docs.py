@@ -50,6 +50,7 @@ the graph the simulator offers what it says of a state (kinds {", ".join(f"`{kin
 with TRANSIENT_LOCAL and a depth of {LOCK_STEP_DEPTH} in lock-step, with VOLATILE in a paced run, where a late joiner
 begins with the next state. A state that waits in lock-step is said again when a node is matched that came too late for
 it, so a controller with the default of ROS (VOLATILE) may come at any time; who has answered it answers again, or not.
+References that were published before a node was matched are said again one by one, each when its state is there.
 Subscriptions ask for no more than the last column says, and RELIABLE.
 """
 

@@ -15,8 +15,10 @@ PUBLISHERS = "publishers"
 LATE = "late"
 # The law of the experiment had no answer: it is reset, and that of another mode answers.
 LAW_FAILED = "law_failed"
+# Of two controllers another one than before answers.
+ACTING = "acting"
 # What a recorder adds to the events of a controller.
-RECORDED = frozenset((PUBLISHERS, LATE))
+RECORDED = frozenset((PUBLISHERS, LATE, ACTING))
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,9 +29,10 @@ class ControllerEvent:
         stamp: of the first command it acts on [ns].
         kind: ``parameters`` (content ``values``: what ``Tunable.tune`` was given), ``switch`` (``from``, ``to``),
             ``reset`` (of the law, because states passed unanswered), ``LAW_FAILED`` (``law``, ``reason``, and ``to``,
-            the mode whose law answers), ``PUBLISHERS`` (``topic``, ``nodes``) or
-            ``LATE`` (``stamps`` of states that were answered, too late for the answers to be in the log): these two
-            the recorder adds, and they change no answer at their stamp.
+            the mode whose law answers), ``PUBLISHERS`` (``topic``, ``nodes``),
+            ``LATE`` (``stamps`` of states that were answered, too late for the answers to be in the log) or ``ACTING``
+            (``node`` that answers from here on): these three the recorder adds, and they change no answer at their
+            stamp.
         content: plain data.
     """
 

@@ -357,8 +357,3 @@ class Sink(Protocol):
 
     def close(self, reason: str) -> None:
         """No more ticks; say why (``completed``, ``interrupted``, or the error)."""
-
-
-def blocks_equal(first: Sequence[Vector], second: Sequence[Vector]) -> bool:
-    """True if both sequences hold the same bits."""
-    return len(first) == len(second) and all(a.tobytes() == b.tobytes() for a, b in zip(first, second, strict=True))

@@ -45,6 +45,10 @@ class StampJoiner(Generic[T]):
         """Number of incomplete stamps."""
         return len(self._open)
 
+    def __contains__(self, stamp: int) -> bool:
+        """Whether parts of this stamp [ns] wait for others."""
+        return stamp in self._open
+
     def add(self, part_index: int, stamp: int, item: T) -> tuple[T, ...] | None:
         """Take one part; return all parts of its stamp if this was the last one missing.
 
@@ -79,13 +83,6 @@ class StampJoiner(Generic[T]):
         """Of a part, what waits for stamps later than this one [ns] gives way to the next that comes for them."""
         later = [one for one, items in self._open.items() if one > stamp and part_index in items]
         self._giving_way.update((part_index, one) for one in later)
-
-    def drop_before(self, stamp: int) -> int:
-        """Give up incomplete stamps older than this one [ns]; return how many."""
-        old = [one for one in self._open if one < stamp]
-        for one in old:
-            del self._open[one]
-        return len(old)
 
     def clear(self) -> None:
         """Forget everything but the count of dropped stamps, as at the start of a run."""

@@ -271,7 +271,8 @@ ACCEPTED_COMMAND = Topic(
     "accepted_command",
     "simulator",
     "the commands the simulator accepted, as blocks `stamp` [ns], `wrench`, `effort`; without numbers: the period of "
-    "the stamp had none; with a block `too_late`: it can act no more. Always in a paced run; in lock-step only where a "
+    "the stamp had none; with a block `too_late`: it can act no more; of two controllers with a block `acting:NAME`: "
+    "the one that answers next, and how many states were answered. Always in a paced run; in lock-step only where a "
     "node listens, as the recorder does once commands have more than one publisher",
     recorded=False,
 )

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from space_robot_description.kernel.arrays import LOCKED, RobotArrays
+from space_robot_description.kernel.arrays import RobotArrays, locked_joints, with_locked_joints
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.period import PlantMemory
 from space_robot_sim.kernel.rhs import COULOMB, COULOMB_VELOCITY, LAG, STORED, VISCOUS
+from space_robot_sim.pinocchio_integrator import wrench_of
 
 Joints = npt.NDArray[np.bool_]
 
@@ -62,7 +63,7 @@ class JointBrakes:
         """
         n = torque.size
         q, v = plant.y[: 7 + n], plant.y[7 + n : 13 + 2 * n].copy()
-        mass, locked = mass_matrix(model, q), robot.tree[1:, LOCKED] > 0
+        mass, locked = mass_matrix(model, q), locked_joints(robot)
         held = locked | (torque > 0.0)
         while True:
             slipping = ~held & (torque > 0.0)
@@ -83,9 +84,7 @@ class JointBrakes:
         """The robot with its brakes; the same one as before where nothing changed."""
         key = held.tobytes() + motors.tobytes()
         if self._last is None or self._last[0] is not robot or self._last[1] != key:
-            tree = robot.tree.copy()
-            tree[1:, LOCKED] = held
-            self._last = robot, key, robot._replace(tree=tree, motors=motors)
+            self._last = robot, key, with_locked_joints(robot, held)._replace(motors=motors)
         return self._last[2]
 
 
@@ -141,6 +140,8 @@ def _applied(plant: PlantMemory, motors: Vector, v: Vector, period: float) -> Ve
     allocation, n = plant.allocation, motors.shape[0]
     out = np.concatenate([allocation.wrench, allocation.effort])
     out[3:6] -= np.cross(v[3:6], allocation.segments[0, STORED : STORED + 3])
+    if plant.disturbance.size:
+        out[:6] += wrench_of(plant.disturbance, plant.y[3:7].tolist())
     for joint in range(n):
         lag, rate = float(motors[joint, LAG]), float(v[6 + joint])
         if lag > 0.0:

@@ -29,10 +29,12 @@ class CommandMonitor:
         self._spec, self._limit, self._names = spec, limit, (*CHANNELS, *joint_names)
         self.reset()
 
-    @property
-    def checks(self) -> bool:
-        """Whether anything is checked."""
-        return self._spec is not None
+    def reach(self) -> Vector:
+        """(2, 6+n) largest magnitude, and largest change since the command before, that passes unchanged."""
+        checks = (None, None) if self._spec is None else (self._spec.limit, self._spec.rate)
+        return np.array(
+            [np.full(self._limit.size, np.inf) if one is None else one.factor * self._limit for one in checks]
+        )
 
     def reset(self) -> None:
         """Forget all commands and counts."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from space_robot_description.kernel.arrays import LOCKED, RobotArrays
-from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix
+from space_robot_description.kernel.arrays import RobotArrays, locked_joints
+from space_robot_description.mass_matrix import mass_matrix
+from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix, rotate_inverse
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.kernel.disturbance import AT, PUSH, TWIST
 from space_robot_sim.kernel.rhs import (
     BEGIN,
     COULOMB,
@@ -48,8 +51,9 @@ class PinocchioIntegrator:
     """
 
     def __init__(self, model: Any, robot: RobotArrays) -> None:
-        held = robot.tree[1:, LOCKED] > 0
-        if held.any():
+        self._coupled, self._held = bool(robot.coupling.size), locked_joints(robot)
+        held = self._held
+        if held.any() and not self._coupled:
             # A rotor that nothing can turn: a joint that stands still, exactly.
             model = model.copy()
             model.armature[6:] = np.where(held, np.inf, 0.0)
@@ -92,9 +96,11 @@ class PinocchioIntegrator:
         effort = self._effort(drive, t, rates)
         self._tau[:3], self._tau[6:] = force, effort
         self._tau[3:6] = [torque[i] - rate[i] - gyroscopic[i] for i in range(3)]
+        if drive.disturbance.size:
+            self._tau[:6] += wrench_of(drive.disturbance, pose[3:])
         self._q[7:] = y[7 : 7 + n]
         dy = np.empty_like(y)
-        dy[7 + n : 13 + 2 * n] = pin.aba(self._model, self._data, self._q, y[7 + n : 13 + 2 * n], self._tau)
+        dy[7 + n : 13 + 2 * n] = self._acceleration(y[7 + n : 13 + 2 * n])
         dy[:3] = rotate_by_matrix(pose[3:], v)
         dy[3:7] = quaternion_rate(pose[3:], omega)
         dy[7 : 7 + n] = rates
@@ -103,7 +109,21 @@ class PinocchioIntegrator:
         dy[13 + 2 * n] = effort @ rates + sum(force[i] * v[i] + (torque[i] - rate[i]) * omega[i] for i in range(3))
         dy[14 + 2 * n : 17 + 2 * n] = inertial
         dy[17 + 2 * n :] = [arm[i] + moment[i] for i in range(3)]
+        if drive.disturbance.size:
+            dy[13 + 2 * n :] += _counted(drive.disturbance, pose, twist)
         return dy
+
+    def _acceleration(self, v: Vector) -> Vector:
+        """Under the forces of now; joints that follow others have no place in ``pin.aba``."""
+        model, data = self._model, self._data
+        if not self._coupled:
+            found: Vector = pin.aba(model, data, self._q, v, self._tau)
+            return found
+        right = self._tau - pin.nonLinearEffects(model, data, self._q, v)
+        free = np.r_[np.ones(6, dtype=bool), ~self._held]
+        out, mass = np.zeros(v.size), mass_matrix(model, self._q)
+        out[free] = np.linalg.solve(mass[np.ix_(free, free)], right[free])
+        return out
 
     def _effort(self, drive: Drive, t: float, rates: Vector) -> Vector:
         """Motor effort less friction."""
@@ -174,6 +194,20 @@ class PinocchioIntegrator:
                 wish, first, most = h * factor, 1, 1.0
         how.next_step[0] = wish
         return budget
+
+
+def wrench_of(disturbance: Vector, quaternion: Sequence[float]) -> Vector:
+    """(6,) force on the base and moment about its origin, body frame; the text of `kernel.disturbance`."""
+    force = rotate_inverse(quaternion, disturbance[PUSH:AT].tolist())
+    arm = cross(disturbance[AT:TWIST].tolist(), force)
+    return np.concatenate([force, np.array(arm) + disturbance[TWIST:]])
+
+
+def _counted(disturbance: Vector, pose: Sequence[float], twist: Sequence[float]) -> Vector:
+    """(7,) its power, force and moment about the inertial origin."""
+    wrench, push = wrench_of(disturbance, pose[3:]), disturbance[PUSH:AT]
+    moment = np.array(cross(pose[:3], push.tolist())) + rotate_by_matrix(pose[3:], wrench[3:].tolist())
+    return np.concatenate([[float(wrench @ np.array(twist))], push, moment])
 
 
 def _step_error(h: float, how: Stepping, y: Vector, new: Vector, stages: Vector) -> tuple[float, float]:

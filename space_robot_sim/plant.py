@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_description.actuation import brake_torque, command_limit
-from space_robot_description.kernel.arrays import LOCKED, RobotArrays, robot_arrays
+from space_robot_description.kernel.arrays import RobotArrays, locked_joints, robot_arrays
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
@@ -28,6 +28,7 @@ from space_robot_sim.faults.wires import CommandWire
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
+from space_robot_sim.kernel.disturbance import NOTHING
 from space_robot_sim.kernel.momentum import ENERGY, LINEAR
 from space_robot_sim.kernel.period import PlantContext, PlantMemory, advance, keep, plant_memory, reset_baseline, settle
 from space_robot_sim.kernel.rhs import Drive
@@ -35,7 +36,7 @@ from space_robot_sim.kernel.steps import DONE, TOO_MANY_STEPS
 from space_robot_sim.pinocchio_integrator import PinocchioIntegrator
 from space_robot_sim.sensor_rule import check_wheels
 from space_robot_sim.sensors import Sensors
-from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
+from space_robot_sim.spec import DisturbanceSpec, Hold, IntegratorSpec, MonitorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
 
 
@@ -48,6 +49,7 @@ class PlantNumbers(NamedTuple):
         sensors: what is seen of it.
         telemetry: its layout, and what it depends on.
         delay: periods by which a command acts late.
+        reach: (2, 6+n) what of a command acts unchanged, see ``CommandMonitor``.
     """
 
     context: Context
@@ -55,6 +57,7 @@ class PlantNumbers(NamedTuple):
     sensors: Sensors
     telemetry: PlantTelemetry
     delay: int
+    reach: Vector
 
 
 class SimulatedRobot:
@@ -73,6 +76,7 @@ class SimulatedRobot:
         faults: what goes wrong with its actuators and sensors, and the events that say so.
         monitor: what is checked of commands before they act; None: nothing.
         braked: the brakes of its joints may close, see ``close_brakes``; what they do is in the telemetry.
+        disturbance: what pushes the base beside its actuators, at all times.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -93,6 +97,7 @@ class SimulatedRobot:
         faults: FaultPlan | None = None,
         monitor: MonitorSpec | None = None,
         braked: bool = False,
+        disturbance: DisturbanceSpec | None = None,
     ) -> None:
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
@@ -121,7 +126,8 @@ class SimulatedRobot:
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors, robot.n, control_period, seed)
         self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4", braked=braked)
-        self._memory = plant_memory(robot.n, self._wheels.size)
+        push = NOTHING if disturbance is None else disturbance.numbers
+        self._memory = plant_memory(robot.n, self._wheels.size, len(robot.mimics))._replace(disturbance=push)
         self._context: Context | None = None
         if self._compiled:
             address = self.context().address
@@ -181,11 +187,10 @@ class SimulatedRobot:
 
     def numbers(self) -> PlantNumbers | None:
         """The plant as it is, for runs that call no Python between their ticks; None where that cannot be."""
-        if not self._compiled or self._plan.planned or self._monitor.checks:
+        if not self._compiled or self._plan.planned or self._reads_wheels:
             return None
-        if self._brakes is not None or self._reads_wheels:
-            return None
-        return PlantNumbers(self.context(), self._memory, self._sensors, self._telemetry, self._hold.delay)
+        seen, late = (self._sensors, self._telemetry), self._hold.delay
+        return PlantNumbers(self.context(), self._memory, *seen, late, self._monitor.reach())
 
     def context(self) -> Context:
         """Where compiled code finds robot, actuators and state as they are now."""
@@ -233,8 +238,8 @@ class SimulatedRobot:
         """What the faults of this tick leave of a command; they also change actuators, motors and brakes."""
         acts = self._actuation.at(self._stamp // self._period, command, self._memory.wheels, self._healthy)
         self._able, arrays = acts.able, acts.arrays
-        held = arrays.tree[1:, LOCKED]
-        if arrays is not self._arrays and np.any(held > self._arrays.tree[1:, LOCKED]):
+        held = locked_joints(arrays)
+        if arrays is not self._arrays and np.any(held > locked_joints(self._arrays)):
             self._stop_joints(held)
         if self._brakes is not None:
             arrays = self._brake(self._brakes, arrays, acts.command, acts.brakes)
@@ -256,7 +261,7 @@ class SimulatedRobot:
         self._braking = np.where(fitted, np.where(found.held, 1.0, -1.0), 0.0).tolist()
         return found.arrays
 
-    def _stop_joints(self, held: npt.NDArray[np.int64]) -> None:
+    def _stop_joints(self, held: npt.NDArray[np.bool_]) -> None:
         """Brakes take the speed out of joints; their work counts as that of everything applied."""
         y, n = self._memory.y, self._n
         y[7 + n : 13 + 2 * n], work = stop(self._model, y[: 7 + n], y[7 + n : 13 + 2 * n].copy(), held)
@@ -268,7 +273,7 @@ class SimulatedRobot:
         if self._fallback is None:
             return self._advance_kernel(self.context().address, acting, self._seconds, start)
         count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
-        drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
+        drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors, plant.disturbance)
         if start:
             reset_baseline(self._arrays, self._able, drive, plant)
             return DONE

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 from pydantic import (
     AfterValidator,
     Field,
@@ -15,7 +16,7 @@ from pydantic import (
     model_serializer,
 )
 
-from space_robot_description.spec import Strict
+from space_robot_description.spec import Strict, Three
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
@@ -125,6 +126,19 @@ class MonitorSpec(Strict):
     rate: CommandCheck | None = Field(
         default=None, description="change since the command that was taken last, per control period since then"
     )
+
+
+class DisturbanceSpec(Strict):
+    """What pushes the base at all times beside its actuators, unknown to every law: drag, solar pressure, a leak."""
+
+    force: Three = Field(default=(0.0, 0.0, 0.0), description="constant in inertial axes [N]")
+    at: Three = Field(default=(0.0, 0.0, 0.0), description="where it acts, in base_link: the centre of pressure [m]")
+    torque: Three = Field(default=(0.0, 0.0, 0.0), description="beside the force's, constant in base_link [N m]")
+
+    @property
+    def numbers(self) -> npt.NDArray[np.float64]:
+        """(9,) as kernels know it."""
+        return np.array([*self.force, *self.at, *self.torque])
 
 
 class SensorSpec(Strict):

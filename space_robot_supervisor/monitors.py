@@ -19,20 +19,14 @@ class Monitor:
     Attributes:
         spec: its row.
         seen: the value at the last look; None: there was none.
-        low: nearly always nothing is the matter, and that is all there is to do: a value from here to ``high`` of a
-            monitor that is ``calm`` changes nothing but ``seen``, and need not be looked at.
-        high: see there.
-        calm: see there.
+        calm: nearly always nothing is the matter: a tick at which the condition of a calm monitor does not hold changes
+            nothing, and need not be looked at.
     """
 
-    __slots__ = ("_count", "_fired", "_inhibited", "_left", "calm", "high", "low", "seen", "spec")
+    __slots__ = ("_count", "_fired", "_inhibited", "_left", "calm", "seen", "spec")
 
     def __init__(self, spec: MonitorSpec) -> None:
         self.spec = spec
-        self.low, self.high = (
-            -inf if spec.below is None else spec.below,
-            inf if spec.above is None else spec.above,
-        )
         self.reset()
 
     def reset(self) -> None:
@@ -44,20 +38,24 @@ class Monitor:
     def enter(self) -> None:
         """Begin to count again, as when another mode begins."""
         self._count, self._fired = 0, False
-        self.calm = not (self.spec.unchanged or self._inhibited)
+        self.calm = not self._inhibited
         self.seen: float | None = None
 
-    def look(self, value: float | None) -> Edge | None:
+    def look(self, before: float | None, value: float | None) -> Edge | None:
         """Look at the value of a tick; whether it fires or clears now.
 
         It fires at the last of ``for`` periods in a row, and again only after that has ended, at most ``times``.
+
+        Args:
+            before: the value at the tick before; None: there was none.
+            value: of this tick.
         """
-        edge = self._look_closer(value)
-        self.calm = not (self.spec.unchanged or self._fired or self._count or self._inhibited)
+        self.seen = value
+        edge = self._look_closer(before)
+        self.calm = not (self._fired or self._count or self._inhibited)
         return edge
 
-    def _look_closer(self, value: float | None) -> Edge | None:
-        before, self.seen = self.seen, value
+    def _look_closer(self, before: float | None) -> Edge | None:
         if self._inhibited:
             self._inhibited -= 1
             return None

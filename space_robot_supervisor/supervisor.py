@@ -10,9 +10,10 @@ from space_robot_msgs_py.interfaces import NANOSECONDS, Acknowledgement, Supervi
 from space_robot_supervisor import reports
 from space_robot_supervisor.monitors import Monitor
 from space_robot_supervisor.plan import Plan
+from space_robot_supervisor.reader import Reader
 from space_robot_supervisor.rows import COMMANDS, SEVERITIES, Severity
 from space_robot_supervisor.table import SupervisionTable, mode_of
-from space_robot_supervisor.values import COUNTS, TELEMETRY, WHEELS, Snapshot, Value, value_of
+from space_robot_supervisor.values import TELEMETRY, Snapshot, Value, value_of
 
 
 class Supervisor:
@@ -49,11 +50,13 @@ class Supervisor:
             named += [(name, f"{key}.housekeeping.values.{index}") for index, name in enumerate(summary.values)]
         self._values: dict[str, Value] = {}
         for name, place in named:
-            self._values[name] = value_of(name, robot, labels, limit, place, counted=counted)
+            self._values[name] = value_of(name, robot, labels, place, counted=counted)
         self._every = 0 if summary is None else round(summary.period * NANOSECONDS)
         self._monitors = [Monitor(row) for row in table.monitors]
-        self._watched = {mode: self._watch(mode) for mode in table.modes}
-        self._plan = Plan(table)
+        self._watched = {mode: self._watch(mode, robot, limit) for mode in table.modes}
+        summed = () if summary is None else summary.values
+        self._summary = Reader([self._values[name] for name in summed], robot, limit)
+        self._plan, self._calm = Plan(table), True
         self.reset()
 
     @property
@@ -64,12 +67,12 @@ class Supervisor:
     @property
     def reads_counts(self) -> bool:
         """It needs the counts of the plant's command monitor."""
-        return not self._values.keys().isdisjoint(COUNTS)
+        return any(value.of_counts for value in self._values.values())
 
     @property
     def counts_wheels(self) -> bool:
         """It needs the momentum of the wheels."""
-        return WHEELS in self._values
+        return any(value.of_wheels for value in self._values.values())
 
     def reset(self) -> None:
         """Back to the first mode; the next tick is the first of a run."""
@@ -112,22 +115,25 @@ class Supervisor:
             stamp, self.mode, self._law, self._policy, self._since, answer, events, summary, self._brakes
         )
 
-    def _watch(self, mode: str) -> tuple[list[Value], list[tuple[Monitor, int]]]:
+    def _watch(self, mode: str, robot: Robot, limit: Vector) -> tuple[Reader, list[tuple[Monitor, int]]]:
         """What is read in a mode, each value once, and which monitors look at which of them."""
         watching = [one for one in self._monitors if mode in self._table.modes_of(one.spec)]
         names = list(dict.fromkeys(one.spec.value for one in watching))
-        return [self._values[name] for name in names], [(one, names.index(one.spec.value)) for one in watching]
+        places = [(one, names.index(one.spec.value)) for one in watching]
+        guards = [(place, one.spec) for one, place in places]
+        return Reader([self._values[name] for name in names], robot, limit, guards), places
 
     def _look(self, now: Snapshot) -> None:
-        reads, watching = self._watched[self.mode]
-        values = [read(now) for read in reads]
+        # Nearly always nothing is the matter, and that is all there is to do.
+        if self._reader.read(now) or not self._calm:
+            self._look_closer(now)
+            self._calm = all(monitor.calm for monitor, _ in self._watching)
+
+    def _look_closer(self, now: Snapshot) -> None:
+        values = self._reader.found
         leading: Monitor | None = None
-        for monitor, place in watching:
-            value = values[place]
-            if monitor.calm and value is not None and monitor.low <= value <= monitor.high:
-                monitor.seen = value
-                continue
-            edge = monitor.look(value)
+        for monitor, place in self._watching:
+            edge = monitor.look(*values[place])
             if edge is None:
                 continue
             self._found.append(reports.edge(now.state.stamp, monitor, edge))
@@ -198,15 +204,19 @@ class Supervisor:
     def _enter(self, mode: str, stamp: int) -> None:
         self.mode, self._since, spec = mode, stamp, self._table.modes[mode]
         self._law, self._policy, self._brakes = spec.law, spec.reference, spec.brakes
+        self._reader, self._watching = self._watched[mode]
+        self._reader.forget()
         for monitor in self._monitors:
             monitor.enter()
+        self._calm = all(monitor.calm for monitor, _ in self._watching)
 
     def _sum_up(self, now: Snapshot) -> Telemetry:
         assert self._table.housekeeping is not None
         place = float(list(self._table.modes).index(self.mode))
-        found = {name: self._values[name](now) for name in self._table.housekeeping.values}
+        self._summary.read(now)
+        found = zip(self._table.housekeeping.values, self._summary.found, strict=True)
         # A number that is not there yet is a block without any.
-        blocks = {name: [] if number is None else [number] for name, number in found.items()}
+        blocks = {name: [] if number is None else [number] for name, (_, number) in found}
         count = float(self._reported + len(self._found))
         return Telemetry.of(now.state.stamp, {"mode": place, "events": count, **blocks})
 

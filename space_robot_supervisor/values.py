@@ -2,74 +2,99 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from math import atan2, isfinite, sqrt
-from operator import sub
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import NamedTuple
+
+import numpy as np
 
 from space_robot_description.robot import Robot
-from space_robot_description.rotations import relative
 from space_robot_description.spec import ReactionWheels
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Telemetry, Vector
+from space_robot_supervisor.kernel import readings
 
-TELEMETRY = "telemetry."
-WHEELS = "wheels.momentum"
+TELEMETRY, WHEELS = "telemetry.", "wheels.momentum"
 # What the plant's command monitor counts.
 COUNTS = ("command.missed", "command.refused", "command.clipped")
 _XYZ = ("x", "y", "z")
+_SINGLE = {
+    "base.rate": readings.BASE_RATE,
+    "base.speed": readings.BASE_SPEED,
+    "joints.rate": readings.JOINT_RATE,
+    "error.position": readings.OFF_POSITION,
+    "error.attitude": readings.OFF_ATTITUDE,
+    "error.joints": readings.OFF_JOINTS,
+    "command.saturation": readings.SATURATION,
+}
 
 
-class Snapshot:
+class Snapshot(NamedTuple):
     """What is known when a state arrives.
 
-    Args:
+    Attributes:
         state: measured.
         reference: of the same stamp, as guidance gave it.
         command: the last one of the controller; None at the first tick.
         telemetry: that came with it.
         wheels: (3,) momentum of the nominal wheels, measured or dead-reckoned from the commands [N m s].
         counts: of the plant's command monitor, by name.
-
-    Attributes:
-        q: configuration of the state.
-        v: velocity of the state.
-        q_d: configuration of the reference.
     """
 
-    # Lists of floats: of so few numbers several times faster than NumPy.
-    __slots__ = ("command", "counts", "q", "q_d", "reference", "state", "telemetry", "v", "wheels")
-
-    def __init__(
-        self,
-        state: RobotState,
-        reference: Reference,
-        command: Command | None = None,
-        telemetry: Telemetry | None = None,
-        wheels: Vector | None = None,
-        counts: Mapping[str, int] | None = None,
-    ) -> None:
-        self.state, self.reference, self.command, self.telemetry = state, reference, command, telemetry
-        self.wheels, self.counts = wheels, counts
-        self.q: list[float] = state.q.tolist()
-        self.v: list[float] = state.v.tolist()
-        self.q_d: list[float] = reference.q.tolist()
+    state: RobotState
+    reference: Reference
+    command: Command | None = None
+    telemetry: Telemetry | None = None
+    wheels: Vector | None = None
+    counts: Mapping[str, int] | None = None
 
 
-# None: there is no such number yet.
-Value = Callable[[Snapshot], float | None]
+class Value(NamedTuple):
+    """Where a number is found.
+
+    Attributes:
+        kind: see ``kernel.readings``.
+        place: of a single number in its source.
+        label: of a block of telemetry.
+        number: place of one number in the block; None: its largest magnitude.
+    """
+
+    kind: int
+    place: int = 0
+    label: str = ""
+    number: int | None = None
+
+    @property
+    def of_wheels(self) -> bool:
+        """It is the momentum of the wheels."""
+        return bool(self.kind == readings.WHEELS)
+
+    @property
+    def of_counts(self) -> bool:
+        """It is counted by the plant's command monitor."""
+        return bool(self.kind == readings.COUNT)
+
+    def row(self, telemetry: Telemetry | None) -> tuple[int, int, int]:
+        """Kind, begin and end for kernels, where telemetry is laid out like this; None: there is none yet."""
+        if not self.label:
+            return self.kind, self.place, self.place + 1
+        if telemetry is None or self.label not in telemetry.labels:
+            return self.kind, -1, -1
+        block = telemetry.labels.index(self.label)
+        begin, size = sum(telemetry.sizes[:block]), telemetry.sizes[block]
+        if self.number is None:
+            return self.kind, begin, begin + size
+        return (self.kind, begin + self.number, begin + size) if self.number < size else (self.kind, -1, -1)
 
 
-def value_of(
-    name: str, robot: Robot, labels: Sequence[str], limit: Vector, key: str, *, counted: bool = False
-) -> Value:
-    """The function that reads a value.
+def value_of(name: str, robot: Robot, labels: Sequence[str], key: str, *, counted: bool = False) -> Value:
+    """Where a value is found.
 
     Args:
         name: of the value.
         robot: the NOMINAL robot.
         labels: of the controller's telemetry.
-        limit: (6+n,) of its actuators, infinite where there is none.
         key: of the monitor's row, for errors.
         counted: the plant's command monitor counts.
 
@@ -81,69 +106,33 @@ def value_of(
     if name in COUNTS:
         if not counted:
             raise SpecError("nothing counts it", key=key, value=name, accepted="plant.monitor in the experiment")
-        return lambda now: None if now.counts is None else float(now.counts.get(name, 0))
-    known = values_of(robot, limit)
+        return Value(readings.COUNT, COUNTS.index(name))
+    known = values_of(robot)
     if name not in known:
         accepted = nearest(name, (*known, *COUNTS)) or ", ".join([*known, *COUNTS, f"{TELEMETRY}LABEL"])
         raise SpecError("no such value", key=key, value=name, accepted=accepted)
     return known[name]
 
 
-def values_of(robot: Robot, limit: Vector) -> dict[str, Value]:
+def values_of(robot: Robot) -> dict[str, Value]:
     """Every value of a robot by name, but those of telemetry and the counts."""
-    bounds = [(index, most) for index, most in enumerate(limit.tolist()) if isfinite(most)]
-    found: dict[str, Value] = {
-        "base.rate": lambda now: _norm(*now.v[3:6]),
-        "base.speed": lambda now: _norm(*now.v[:3]),
-        "joints.rate": _joint_rate(robot.n),
-        "error.position": lambda now: _norm(*map(sub, now.q_d[:3], now.q)),
-        "error.attitude": lambda now: _angle(now.q[3:7], now.q_d[3:7]),
-        "error.joints": lambda now: max(map(abs, map(sub, now.q_d[7:], now.q[7:])), default=0.0),
-        "command.saturation": lambda now: None if now.command is None else _saturated(now.command, bounds),
-    }
-    ends = _ends(robot)
-    if ends:
-        found["joints.margin"] = _margin(ends)
+    found = {name: Value(kind) for name, kind in _SINGLE.items()}
+    if any(map(isfinite, (*robot.joint_lower.tolist(), *robot.joint_upper.tolist()))):
+        found["joints.margin"] = Value(readings.MARGIN)
     if isinstance(robot.actuators.base_torque, ReactionWheels):
-        found[WHEELS] = lambda now: None if now.wheels is None else _norm(*now.wheels.tolist())
+        found[WHEELS] = Value(readings.WHEELS)
     parts = {"position": (0, _XYZ), "attitude": (3, (*_XYZ, "w")), "joint.position": (7, robot.joint_names)}
     for part, (first, names) in parts.items():
-        found |= {f"{part}.{name}": _position(first + index) for index, name in enumerate(names)}
+        found |= {f"{part}.{name}": Value(readings.POSITION, first + index) for index, name in enumerate(names)}
     rates = {"rate": (3, _XYZ), "joint.rate": (6, robot.joint_names)}
     for part, (first, names) in rates.items():
-        found |= {f"{part}.{name}": _rate(first + index) for index, name in enumerate(names)}
+        found |= {f"{part}.{name}": Value(readings.RATE, first + index) for index, name in enumerate(names)}
     return found
 
 
-def _joint_rate(joints: int) -> Value:
-    def read(now: Snapshot) -> float:
-        rates = now.v[6:]
-        # Zero first: of equal ones the first counts, and a magnitude is no negative zero.
-        return max(0.0, max(rates), -min(rates))
-
-    return read if joints else lambda now: 0.0
-
-
-def _margin(ends: Sequence[tuple[int, float, float]]) -> Value:
-    def read(now: Snapshot) -> float:
-        q = now.q
-        return min([q[i] - low if q[i] - low < high - q[i] else high - q[i] for i, low, high in ends])
-
-    return read
-
-
-def _ends(robot: Robot) -> list[tuple[int, float, float]]:
-    """Place in a configuration, lower and upper limit of every joint that has one."""
-    limits = zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)
-    return [(7 + i, low, high) for i, (low, high) in enumerate(limits) if isfinite(low) or isfinite(high)]
-
-
-def _position(index: int) -> Value:
-    return lambda now: now.q[index]
-
-
-def _rate(index: int) -> Value:
-    return lambda now: now.v[index]
+def counts_of(found: Mapping[str, int]) -> Vector:
+    """(3,) counts in the order of ``COUNTS``."""
+    return np.array([found.get(name, 0) for name in COUNTS], dtype=np.float64)
 
 
 def _telemetry(name: str, labels: Sequence[str], key: str) -> Value:
@@ -154,48 +143,4 @@ def _telemetry(name: str, labels: Sequence[str], key: str) -> Value:
     if label not in labels:
         accepted = nearest(label, labels) or ", ".join(labels) or "a law with telemetry"
         raise SpecError("no such block of telemetry", key=key, value=name, accepted=accepted)
-    return _Block(label, index).read
-
-
-class _Block:
-    """One block of telemetry, found once: labels and sizes stay the same for a whole run."""
-
-    def __init__(self, label: str, index: int | None) -> None:
-        self._label, self._index = label, index
-        self._labels: tuple[str, ...] = ()
-        self._place: slice | None = None
-
-    def read(self, now: Snapshot) -> float | None:
-        """The number, or the largest magnitude."""
-        telemetry = now.telemetry
-        if telemetry is None:
-            return None
-        if telemetry.labels is not self._labels:
-            self._find(telemetry)
-        if self._place is None:
-            return None
-        block: list[float] = telemetry.data[self._place].tolist()
-        if self._index is None:
-            return max(map(abs, block), default=0.0)
-        return block[self._index] if self._index < len(block) else None
-
-    def _find(self, telemetry: Telemetry) -> None:
-        self._labels, self._place = telemetry.labels, None
-        if self._label in telemetry.labels:
-            place = telemetry.labels.index(self._label)
-            start = sum(telemetry.sizes[:place])
-            self._place = slice(start, start + telemetry.sizes[place])
-
-
-def _saturated(command: Command, bounds: Sequence[tuple[int, float]]) -> float:
-    u = command.wrench.tolist() + command.effort.tolist()
-    return len([1 for index, most in bounds if not -most < u[index] < most]) / len(bounds)
-
-
-def _angle(q: Sequence[float], desired: Sequence[float]) -> float:
-    x, y, z, w = relative(q, desired)
-    return 2.0 * atan2(_norm(x, y, z), w)
-
-
-def _norm(x: float, y: float, z: float) -> float:
-    return sqrt(x * x + y * y + z * z)
+    return Value(readings.BLOCK if index is None else readings.NUMBER, 0, label, index)

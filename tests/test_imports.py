@@ -33,7 +33,8 @@ MAY_IMPORT = {
 ROS = ("rclpy", "domain_coordinator", "std_msgs", "std_srvs", "sensor_msgs", "nav_msgs", "geometry_msgs")
 ROS += ("trajectory_msgs", "diagnostic_msgs", "rosgraph_msgs", "builtin_interfaces", "rcl_interfaces")
 ROS += ("lifecycle_msgs", "tf2_msgs")
-ROOMS = dict.fromkeys(("matplotlib", "plotly", "viser", "rerun"), REPORT) | dict.fromkeys(("typer", "rich"), CLI)
+ROOMS = dict.fromkeys(("matplotlib", "plotly", "viser", "rerun", "foxglove"), REPORT)
+ROOMS |= dict.fromkeys(("typer", "rich"), CLI)
 ROS_FILES = {f"{MSGS}/ros.py", f"{BRINGUP}/modes/graph.py", f"{BRINGUP}/modes/context.py"}
 MAX_SHARE = 0.30
 

@@ -46,7 +46,7 @@ from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
 
 if TYPE_CHECKING:
-    from space_robot_bringup.compose.supervision import RunSupervisor
+    from space_robot_bringup.compose.run_supervisor import RunSupervisor
     from space_robot_control.laws.base import Law, Review
 
 # Everything whose version can change the bits of a run; the log carries it.
@@ -172,7 +172,7 @@ class Composition:
         """
         if self.experiment.supervision is None:
             return None
-        from space_robot_bringup.compose.supervision import run_supervisor
+        from space_robot_bringup.compose.run_supervisor import run_supervisor
 
         inbox = None if self.faults is None else ControllerInbox(self.faults)
         return run_supervisor(self.experiment, self.nominal, controller or self.controller(), inbox)
@@ -243,7 +243,8 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
         check_supervision(experiment)
     robot = load(experiment.robot)
     nominal = _variant(robot, _nominal_spec(experiment), seeds[0])
-    nominal = replace(nominal, command_delay=experiment.nominal.delay_periods)
+    known = experiment.nominal
+    nominal = replace(nominal, command_delay=known.delay_periods, knows_friction=known.friction)
     truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
     check_brakes(experiment, truth)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from space_robot_bringup.experiment.controller import ControllerSpec, check_made_here
 from space_robot_bringup.experiment.timebase import to_nanoseconds
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.policy import TYPED, LawPolicy
-from space_robot_control.laws.registry import law_class, make_law
+from space_robot_control.laws.registry import gains_of, law_class, make_law
 from space_robot_control.laws.source import source_of
 from space_robot_control.laws.switching import Switching
 from space_robot_description.robot import Robot
+from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.log.header import LawSource
 
 
@@ -34,6 +37,16 @@ def make_controller(spec: ControllerSpec, robot: Robot, control_period: float, p
         return laws[spec.law]
     switches = [(to_nanoseconds(switch.time, "controller.switches"), switch.to) for switch in spec.switches]
     return Switching(robot, control_period, laws, switches=switches, handover=spec.handover)
+
+
+def gains_problems(spec: ControllerSpec, policy: LawPolicy = TYPED) -> Iterator[SpaceRobotError]:
+    """What is wrong with names and gains of the laws; robot and control period are not looked at."""
+    for i, (name, one) in enumerate(() if spec.external else spec.laws.items()):
+        key = _key(name, i)
+        try:
+            gains_of(law_class(policy.law(name, one.law), f"{key}.law", policy), one.gains, key)
+        except SpaceRobotError as error:
+            yield error
 
 
 def law_sources(spec: ControllerSpec, policy: LawPolicy = TYPED) -> dict[str, LawSource]:

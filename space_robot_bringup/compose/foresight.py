@@ -20,8 +20,6 @@ from space_robot_description.spec import ReactionWheels, expand
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
 from space_robot_sim.spec import ChannelSpec
 
-# Shipped laws without friction in their model; mfac finds out what a channel does with a command, friction included.
-_FRICTIONLESS = tuple(sorted(set(BUILT_IN) - {"mfac"}))
 # References that are looked at; a step or a corner between two of them is seen in the accelerations around it.
 _SAMPLES = 200
 _RLS_UPDATES = ("rls", "rls_filtered", "composite")
@@ -109,13 +107,14 @@ def _inverse_dynamics(robot: Robot, reference: Reference) -> Vector:
 
 
 def _friction(composition: Composition) -> Iterator[str]:
+    """No shipped law has friction in its equation, and a law of the user may; mfac adapts more slowly than it acts."""
     motors = composition.truth.actuators.joints
     names = composition.truth.joint_names
-    laws = [name for name in composition.experiment.controller.law_names if name in _FRICTIONLESS]
+    laws = [name for name in composition.experiment.controller.law_names if name in BUILT_IN]
     values = {key: float(np.max(expand(getattr(motors, key), names, key))) for key in ("viscous", "coulomb")}
     acting = [f"{key} up to {value:g}" for key, value in values.items() if value > 0.0]
-    if acting and laws:
-        known = f"which {', '.join(laws)} does not know: joints may lag or stop short"
+    if acting and laws and not composition.nominal.knows_friction:
+        known = f"which {', '.join(laws)} does not know: joints may lag or stop short; see nominal.friction"
         yield f"the joints have friction ({', '.join(acting)}), {known}"
 
 

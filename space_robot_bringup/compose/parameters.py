@@ -28,7 +28,7 @@ def rows_of(role: str, composition: Composition) -> list[ParameterRow]:
     experiment = composition.experiment
     robot = experiment.robot if isinstance(experiment.robot, str) else not_shown(composition.nominal.name)
     rows = [ParameterRow("robot", robot, "shipped name or file of the robot"), *_plain(experiment)]
-    if role == "controller":
+    if role in ("controller", "standby"):
         rows += [row for row in parameter_rows(experiment.controller) if not row.name.startswith(("gains", "standby"))]
         rows += parameter_rows(experiment.nominal, "nominal.")
     elif role == "supervisor" and experiment.supervision is not None:

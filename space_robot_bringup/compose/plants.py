@@ -84,6 +84,7 @@ def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
         faults=parts.faults,
         monitor=spec.monitor,
         braked=parts.braked or brakes_when_silent(spec),
+        disturbance=spec.disturbance,
     )
 
 

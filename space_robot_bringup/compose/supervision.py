@@ -1,36 +1,37 @@
-"""A supervised controller, whose law and reference follow the mode, and the supervisor that decides on the mode."""
+"""A supervised controller, whose law and reference follow the mode, and what is refused of a table."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.experiment.timebase import to_nanoseconds
-from space_robot_control.command_delay import CommandDelay
-from space_robot_control.laws.base import Inbox, Law
+from space_robot_control.laws.base import Law
 from space_robot_control.laws.policy import LawPolicy
 from space_robot_control.laws.registry import BUILT_IN, make_law
-from space_robot_control.laws.switching import ACTIVE, HANDOVER, Switching
-from space_robot_control.tracking import ERROR_FIELDS
-from space_robot_control.wheel_momentum import WheelMomentum
-from space_robot_description.actuation import command_limit
+from space_robot_control.laws.switching import Switching
+from space_robot_control.reallocation import Reallocation
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
-from space_robot_msgs_py.events import LAW_FAILED, DiagnosticEvent
-from space_robot_msgs_py.interfaces import Acknowledgement, ControlOutput, Reference, RobotState, Supervision
-from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED
+from space_robot_msgs_py.events import LAW_FAILED
+from space_robot_msgs_py.interfaces import (
+    ControlOutput,
+    Reference,
+    RobotState,
+    Supervision,
+)
 from space_robot_supervisor.rows import CONTROLLER, REFERENCES
-from space_robot_supervisor.supervisor import Supervisor
-from space_robot_supervisor.values import COUNTS, Snapshot
+from space_robot_supervisor.table import SupervisionTable
+from space_robot_supervisor.values import WHEELS
 
 KEY = "supervision"
 # Stands by where no mode has a law of its own: who switches needs two.
 IDLE = "idle"
-_COUNTED = dict(zip((MISSING, REFUSED, CLIPPED), COUNTS, strict=True))
 
 
 class ModeController(Switching):
@@ -46,6 +47,7 @@ class ModeController(Switching):
         handover: see ``Switching``.
         forgetful: modes in which a law that takes over has forgotten what it learned.
         fallback: mode whose law answers where that of the experiment cannot; None: its error ends the run.
+        around: by mode what is commanded around wheels that failed.
     """
 
     def __init__(
@@ -58,7 +60,9 @@ class ModeController(Switching):
         handover: float,
         forgetful: Collection[str] = (),
         fallback: str | None = None,
+        around: Mapping[str, Reallocation] | None = None,
     ) -> None:
+        self._around = dict(around or {})
         self._first_law, self._mode_laws = next(iter(laws)), dict(modes)
         self._forgetful, self._fallback = frozenset(forgetful), fallback
         self._mark_labels = () if fallback is None else (LAW_FAILED,)
@@ -91,6 +95,12 @@ class ModeController(Switching):
 
     def control(self, state: RobotState, reference: Reference) -> ControlOutput:
         """Answer as the law of the mode does; see ``Law.control``."""
+        output = self._answer_of_mode(state, reference)
+        around = self._around.get(self._decision.mode) if self._around and self._decision is not None else None
+        # The laws know of the torque that the base gets, and of no other.
+        return output if around is None else replace(output, command=around.command(output.command))
+
+    def _answer_of_mode(self, state: RobotState, reference: Reference) -> ControlOutput:
         decision = self._decision
         if decision is not None:
             # Whatever else was asked for: the mode decides.
@@ -134,88 +144,6 @@ class ModeController(Switching):
         return Reference(state.stamp, held[2].q, held[2].v, held[2].a)
 
 
-class RunSupervisor:
-    """A supervisor with what it needs of a run: its links, the wheels' momentum, the counts of the plant's monitor.
-
-    Args:
-        supervisor: decides.
-        robot: the NOMINAL robot.
-        control_period: [s].
-        inbox: what stands between the messages and it; None: nothing.
-    """
-
-    def __init__(self, supervisor: Supervisor, robot: Robot, control_period: float, inbox: Inbox | None) -> None:
-        self._supervisor, self._robot, self._seconds, self._inbox = supervisor, robot, control_period, inbox
-        self._counts_wheels, self._wheels = supervisor.counts_wheels, WheelMomentum(robot)
-        self.reset()
-
-    @property
-    def reads_telemetry(self) -> bool:
-        """It needs the controller's telemetry."""
-        return self._supervisor.reads_telemetry
-
-    @property
-    def reads_counts(self) -> bool:
-        """It needs the events of the plant's command monitor."""
-        return self._supervisor.reads_counts
-
-    def reset(self) -> None:
-        """Forget the past; the next update is the first of a run."""
-        self._supervisor.reset()
-        self._wheels = self._wheels.at_start()
-        self._line = CommandDelay(self._robot.command_delay, none=False)
-        self._counts: Counter[str] = Counter()
-        self._noted = -1
-
-    def order(self, command: str) -> Acknowledgement:
-        """Take a command of the ground, which acts at the next update."""
-        return self._supervisor.order(command)
-
-    def update(
-        self,
-        state: RobotState,
-        reference: Reference,
-        answer: ControlOutput | None = None,
-        events: Sequence[DiagnosticEvent] = (),
-    ) -> Supervision:
-        """Look at one tick and decide; see ``SupervisorUnit``."""
-        if self._inbox is not None:
-            state, reference, _ = self._inbox.hear(state, reference)
-        for event in events:
-            if event.name in _COUNTED:
-                self._counts[_COUNTED[event.name]] += 1
-        command, telemetry = (None, None) if answer is None else (answer.command, answer.telemetry)
-        if command is not None and self._counts_wheels and command.stamp > self._noted:
-            self._noted = command.stamp
-            self._wheels.apply(self._line.acting(command, True)[0].u, self._seconds)
-        self._wheels.measure(state.wheel_momentum)
-        known = Snapshot(state, reference, command, telemetry, self._wheels.momentum, self._counts)
-        return self._supervisor.update(known)
-
-
-def run_supervisor(experiment: Experiment, robot: Robot, controller: Law, inbox: Inbox | None) -> RunSupervisor:
-    """The supervisor of an experiment with a supervision table.
-
-    Args:
-        experiment: it has one.
-        robot: the NOMINAL robot.
-        controller: that it watches, for the labels of its telemetry.
-        inbox: of its links.
-
-    Raises:
-        SpecError: a monitor reads what there is not.
-    """
-    table = experiment.supervision
-    assert table is not None
-    assert isinstance(controller, Switching)
-    labels = [*ERROR_FIELDS, ACTIVE, HANDOVER, *([] if table.fallback is None else [LAW_FAILED])]
-    for name, law in controller.laws.items():
-        labels += [f"{name}.{label}" for label in law.telemetry_fields if label not in ERROR_FIELDS]
-    counted = getattr(experiment.plant, "monitor", None) is not None
-    supervisor = Supervisor(table, robot, labels, command_limit(robot), KEY, counted=counted)
-    return RunSupervisor(supervisor, robot, experiment.control_period, inbox)
-
-
 def supervised(experiment: Experiment, robot: Robot, policy: LawPolicy) -> ModeController:
     """The controller of an experiment with a supervision table.
 
@@ -237,9 +165,13 @@ def supervised(experiment: Experiment, robot: Robot, policy: LawPolicy) -> ModeC
     if not modes:
         laws[IDLE] = make_law("none", robot, period)
     forgetful = [mode for mode, said in table.modes.items() if said.forget]
-    return ModeController(
-        robot, period, laws, modes=modes, handover=table.handover, forgetful=forgetful, fallback=table.fallback
-    )
+    around = {
+        mode: Reallocation(robot, said.wheels_off, f"{KEY}.modes.{mode}.wheels_off")
+        for mode, said in table.modes.items()
+        if said.wheels_off
+    }
+    options: dict[str, Any] = {"forgetful": forgetful, "fallback": table.fallback, "around": around}
+    return ModeController(robot, period, laws, modes=modes, handover=table.handover, **options)
 
 
 def check_supervision(experiment: Experiment) -> None:
@@ -265,6 +197,7 @@ def check_supervision(experiment: Experiment) -> None:
     if experiment.controller.standby:
         accepted = "laws of modes instead of controller.standby"
         raise SpecError("decides which law runs", key=KEY, accepted=accepted)
+    _check_wheels(experiment, table)
     for mode, said in table.modes.items():
         key = f"{KEY}.modes.{mode}"
         if said.law not in (CONTROLLER, *BUILT_IN):
@@ -272,3 +205,14 @@ def check_supervision(experiment: Experiment) -> None:
             raise SpecError("no such shipped law", key=f"{key}.law", value=said.law, accepted=accepted)
         if mode == experiment.controller.law:
             raise SpecError("is the law of the experiment", key=key, accepted="another name")
+
+
+def _check_wheels(experiment: Experiment, table: SupervisionTable) -> None:
+    """Refuse to reckon the momentum of wheels from commands that are meant for some of them."""
+    off = [mode for mode, said in table.modes.items() if said.wheels_off]
+    summed = () if table.housekeeping is None else table.housekeeping.values
+    reads = WHEELS in (*(row.value for row in table.monitors), *summed)
+    sensors = getattr(experiment.plant, "sensors", None)
+    if off and reads and getattr(sensors, "wheel_momentum", None) is None:
+        accepted = f"plant.sensors.wheel_momentum, or no {WHEELS} in the table"
+        raise SpecError("needs a reading of the wheels", key=f"{KEY}.modes.{off[0]}.wheels_off", accepted=accepted)

@@ -70,10 +70,14 @@ class NominalSpec(ModelSpec):
         default=0, description="a command acts in the period of its state, or the next, as far as the laws know"
     )
 
+    friction: bool = Field(
+        default=False, description="laws add the friction of actuators.joints at the desired rates to their efforts"
+    )
+
     @model_serializer(mode="wrap")
     def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        # The log of a run whose laws assume no delay is, to the byte, what it was before they could.
-        return {key: value for key, value in handler(self).items() if key != "delay_periods" or value}
+        # The log of a run whose laws assume neither is, to the byte, what it was before they could.
+        return {key: value for key, value in handler(self).items() if key not in ("delay_periods", "friction") or value}
 
     @model_validator(mode="after")
     def _one_payload(self) -> Self:
@@ -161,12 +165,16 @@ class ExperimentFile:
 
     def experiment(self, overrides: Overrides = ()) -> Experiment:
         """The second half of ``load_experiment``."""
+        return experiment_from(self.data(overrides), self.where)
+
+    def data(self, overrides: Overrides = ()) -> dict[str, Any]:
+        """The content with overrides, and what stands beside the file found; not checked."""
         given = assignments(overrides)
         # A table may be a name until here, and a key inside of it is one of its content.
         inside = [one for one in given if one.key.startswith("supervision.")]
         data = with_overrides(self.content, [one for one in given if one not in inside])
         data = located(data, self.folder) if inside else data
-        return experiment_from(located(with_overrides(data, inside), self.folder), self.where)
+        return located(with_overrides(data, inside), self.folder)
 
 
 def read_experiment(name_or_path: StrPath) -> ExperimentFile:

@@ -12,7 +12,7 @@ from space_robot_description.payload import Payload
 from space_robot_description.spec import Strict
 from space_robot_sim.capture import TargetSpec
 from space_robot_sim.grasp.spec import AirbearingSpec, CapturedSpec
-from space_robot_sim.spec import Hold, IntegratorSpec, MonitorSpec, SensorSpec
+from space_robot_sim.spec import DisturbanceSpec, Hold, IntegratorSpec, MonitorSpec, SensorSpec
 
 
 class ModelSpec(Strict):
@@ -50,6 +50,15 @@ class PlantSpec(PlantTiming):
     capture: Capture | None = Field(default=None, description="a free body caught during the run")
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     sensors: SensorSpec = Field(default_factory=SensorSpec)
+    disturbance: DisturbanceSpec | None = Field(
+        default=None, description="what pushes the base at all times beside its actuators"
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # The log of a run without a disturbance is, to the byte, what it was before there was one.
+        hidden = ("monitor", "disturbance")
+        return {key: value for key, value in handler(self).items() if key not in hidden or value is not None}
 
 
 class AirbearingPlant(PlantTiming, AirbearingSpec):

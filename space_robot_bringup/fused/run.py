@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.experiment.plant import PlantSpec
 from space_robot_bringup.fused.kernel.loop import Body, Known, run_ticks
 from space_robot_bringup.fused.kernel.records import Desired, Records
 from space_robot_bringup.fused.sink import FusedRun
@@ -18,6 +19,7 @@ from space_robot_control.laws.compiled import CompiledLaw
 from space_robot_control.references.rows import rows_of
 from space_robot_description.kernel import jit
 from space_robot_description.kernel.jit import bound
+from space_robot_msgs_py.errors import ControlError
 from space_robot_sim.kernel.period import advance
 from space_robot_sim.plant import PlantNumbers, SimulatedRobot
 
@@ -47,7 +49,10 @@ def compiled_run(composition: Composition, ticks: int | None = None) -> FusedRun
     Raises:
         SpaceRobotError: plant, law or reference cannot be made.
     """
-    if not jit.MACHINE_CODE or composition.experiment.supervision is not None or composition.faults is not None:
+    experiment = composition.experiment
+    if not jit.MACHINE_CODE or experiment.supervision is not None or composition.faults is not None:
+        return None
+    if not isinstance(experiment.plant, PlantSpec):
         return None
     parts = _parts(composition)
     return None if parts is None else _Run(composition, parts, ticks).completed()
@@ -56,14 +61,18 @@ def compiled_run(composition: Composition, ticks: int | None = None) -> FusedRun
 def _parts(composition: Composition) -> Parts | None:
     """Plant and law, where both can be compiled."""
     law = composition.controller()
-    if law.inbox is not None or not _is_its_own(type(law)):
+    if law.inbox is not None or law.friction.known or not _is_its_own(type(law)):
         return None
     law.reset()
     compiled = law.compiled()
     plant = composition.plant() if compiled is not None else None
     if compiled is None or not isinstance(plant, SimulatedRobot):
         return None
-    compiled.start(plant.reset().state)
+    try:
+        compiled.start(plant.reset().state)
+    except ControlError:
+        # What keeps a law from its first answer ends the run at its first tick, in the words of the loop.
+        return None
     body = plant.numbers()
     return None if body is None else Parts(plant, body, law, compiled)
 
@@ -120,7 +129,7 @@ class _Run:
         body = plant.numbers()
         assert body is not None
         limits, floating, estimated = body.telemetry.traits
-        traits = body.sensors.rule, self._draws, limits, int(floating), int(estimated), body.delay
+        traits = body.sensors.rule, self._draws, limits, int(floating), int(estimated), body.delay, body.reach
         numbers, address = Body(body.memory, *traits), body.context.address
         steps, answer, note = _pointers(law.answer, law.note, self._parts.law.n)
         parts = numbers, self._known, steps, address, answer, note, law.context.address, self.desired, self.records

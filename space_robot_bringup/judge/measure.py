@@ -25,33 +25,6 @@ Block = tuple[npt.NDArray[np.int64], Mapping[str, Matrix], Matrix, Matrix]
 PLANT_BLOCKS = ("true_configuration", "saturation", "applied_wrench", "applied_effort", *PEAKS)
 
 
-def measure(
-    ticks: Iterable[Tick],
-    joint_names: Sequence[str],
-    *,
-    base_translation: bool,
-    prismatic: Sequence[bool] = (),
-    bands: Mapping[str, float] | None = None,
-) -> RunMetrics:
-    """Judge a run by its true motion; see ``Measurement``.
-
-    Args:
-        ticks: all ticks in order; at least one.
-        joint_names: for the names of axes.
-        base_translation: also judge the base position (free-flying).
-        prismatic: (n) True where a joint is a length; empty: all are angles.
-        bands: axis to the half width of its settling band [deg or m], instead of 2 % of its travel.
-
-    Raises:
-        NonFiniteError: there is no tick, or a number is not finite.
-        LayoutError: a block of the plant's telemetry is missing, or its layout changes.
-    """
-    measurement = Measurement(joint_names, base_translation=base_translation, prismatic=prismatic, bands=bands)
-    for block in tick_blocks(ticks):
-        measurement.add(*block)
-    return measurement.result()
-
-
 def tick_blocks(ticks: Iterable[Tick]) -> Iterator[Block]:
     """What ``Measurement.add`` takes, of ticks in memory.
 

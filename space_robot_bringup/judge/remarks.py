@@ -76,7 +76,6 @@ class Remarks:
         self._robot, self._period, self._delay = robot, period, delay
         self._capacity = torque.momentum if isinstance(torque, ReactionWheels) else np.inf
         self._seen = {name: _Seen() for name in (JOINT_LIMITS, WHEELS, MISSED, TUMBLED)}
-        self._turning = 0
 
     def add(self, stamp: Stamps, plant: Mapping[str, Matrix], v_d: Matrix) -> None:
         """Take the next ticks.

@@ -17,11 +17,6 @@ def laws_to_compile(laws: Iterable[str], policy: LawPolicy = TYPED) -> list[str]
     return [name for name in dict.fromkeys(laws) if _must_compile(name, policy)]
 
 
-def must_compile(laws: Iterable[str], *, plant: bool = True) -> bool:
-    """True if something of such runs has to be compiled first."""
-    return (plant and plant_must_compile()) or bool(laws_to_compile(laws))
-
-
 def notice(laws: Iterable[str], *, plant: bool = True, policy: LawPolicy = TYPED) -> str:
     """One line about what has to be compiled before such runs; empty if nothing has to.
 

@@ -5,15 +5,23 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import count
+from socket import AF_INET, SOCK_STREAM, socket
 
 import rclpy
-from domain_coordinator import domain_id
+from domain_coordinator.impl import PORT_BASE
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
 from space_robot_msgs_py.errors import SpecError
 
 MAX_DOMAIN = 232
+# The ports of the domains above are those that outgoing connections take.
+MAX_RESERVED = 100
+
+# Of this process: how many domains it has tried, and what holds those that it has.
+_TURNS = count()
+_HELD: list[socket] = []
 
 
 @contextmanager
@@ -56,13 +64,36 @@ def reserved_domain() -> Iterator[int]:
     if chosen is not None:
         yield domain_number(chosen)
         return
-    reservation = domain_id()
-    number = int(reservation.__enter__())
+    number, holder = _reserve()
+    _HELD.append(holder)
     try:
         yield number
     finally:
-        # Left without an exception on purpose: the coordinator takes any OSError of the run for its own.
-        reservation.__exit__(None, None, None)
+        _HELD.remove(holder)
+        holder.close()
+
+
+def reservations() -> tuple[int, ...]:
+    """Descriptors that hold the domains of this process; a child that is given them (``pass_fds``) holds them, too.
+
+    A domain is free when the last process of its run is gone: where the one that started them is killed, they may live
+    for a moment longer, and nodes of the next run would hear them.
+    """
+    return tuple(holder.fileno() for holder in _HELD)
+
+
+def _reserve() -> tuple[int, socket]:
+    """A domain that no other run of this host has, and what holds it: by the convention of ``domain_coordinator``."""
+    for _ in range(MAX_RESERVED):
+        # One after the other, and not the first that is free: that would be the one which was left just now.
+        number = (os.getpid() + next(_TURNS)) % MAX_RESERVED + 1
+        holder = socket(AF_INET, SOCK_STREAM)
+        try:
+            holder.bind(("", PORT_BASE + number))
+            return number, holder
+        except OSError:
+            holder.close()
+    raise SpecError("every domain is in use", key="ROS_DOMAIN_ID", accepted=f"less than {MAX_RESERVED} runs at a time")
 
 
 def domain_number(text: str) -> int:

@@ -17,12 +17,13 @@ from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.compose.live import live_reference
 from space_robot_bringup.compose.parameters import rows_of
 from space_robot_bringup.modes.context import private_context
-from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, SUPERVISOR, Hooks, roles_of
+from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, STANDBY, SUPERVISOR, Hooks, roles_of
 from space_robot_bringup.modes.signals import Interrupted
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_control.nodes.effort_controller import EffortControllerNode
 from space_robot_control.nodes.guidance import GuidanceNode
 from space_robot_control.nodes.live_guidance import LiveGuidanceNode
+from space_robot_control.nodes.redundant_controller import RedundantControllerNode
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.log.free_directory import free_directory
 from space_robot_msgs_py.log.run_directory import RunDirectory
@@ -33,6 +34,7 @@ from space_robot_msgs_py.topics import WHEEL_MOMENTUM
 from space_robot_sim.nodes.credit import AHEAD_BESIDE, AHEAD_IN_ONE_PROCESS, AHEAD_PACED
 from space_robot_sim.nodes.recorder import RecorderNode
 from space_robot_sim.nodes.simulator import SimulatorNode
+from space_robot_sim.nodes.tick_parts import MAX_LATE
 from space_robot_supervisor.nodes.supervisor import SupervisorNode
 
 # A finite timeout: without one this executor neither fires timers nor sleeps.
@@ -67,18 +69,20 @@ def make_node(
     *,
     realtime: float | None,
     mode: str,
+    failover: int = 0,
     **options: Any,
 ) -> GraphNode:
     """One node of the graph by its role, to be brought up: recorder, guidance, supervisor, controller or simulator.
 
-    In place of the controller there may be an effort controller.
+    In place of the controller there may be an effort controller; with ``failover`` there is a standby beside it.
 
     Raises:
-        SpecError: a supervisor in a run without supervision.
+        SpecError: a supervisor in a run without supervision, or failover in one that is not paced.
     """
+    check_failover(failover, realtime)
     experiment, names = composition.experiment, composition.joint_names
     options |= {"rows": [*options.pop("rows", ()), *rows_of(role, composition)]}
-    if role in (*MANAGED, SUPERVISOR):
+    if role in (*MANAGED, SUPERVISOR, STANDBY):
         options["steered"] = mode != "graph"
     timing: dict[str, Any] = {"period": experiment.period, "steps": experiment.steps}
     optional = {"optional": composition.optional_topics}
@@ -97,14 +101,33 @@ def make_node(
         return _supervisor_node(composition, lossless=realtime is None, **options)
     if role == EFFORT_CONTROLLER:
         return EffortControllerNode(names, paced=realtime is not None, **options)
-    if role == "controller":
+    if role in ("controller", STANDBY):
         supervised = composition.experiment.supervision is not None
         options |= {"supervised": supervised, "wheels": WHEEL_MOMENTUM in composition.optional_topics}
+        if failover:
+            options |= {"name": role, "period": experiment.period}
+            return RedundantControllerNode(composition.controller, names, **options)
         return ControllerNode(composition.controller, names, paced=realtime is not None, **options)
-    timing |= optional | {"ahead": ahead, "braked": composition.braked}
+    timing |= optional | {"ahead": ahead, "braked": composition.braked, "failover": failover}
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )
+
+
+def check_failover(failover: int, realtime: float | None) -> None:
+    """Refuse what no second controller can do.
+
+    Args:
+        failover: periods of silence after which it takes over; 0: there is none.
+        realtime: pace of the run; None: lock-step.
+
+    Raises:
+        SpecError: too many periods, or a run that waits for its controller.
+    """
+    if not 0 <= failover <= MAX_LATE:
+        raise SpecError("not a number of periods", key="failover", value=failover, accepted=f"1 to {MAX_LATE}")
+    if failover and not realtime:
+        raise SpecError("lock-step waits for its controller", key="failover", value=failover, accepted="with realtime")
 
 
 def _supervisor_node(composition: Composition, *, lossless: bool, **options: Any) -> SupervisorNode:

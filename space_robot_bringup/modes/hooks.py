@@ -9,13 +9,16 @@ from time import perf_counter
 ROLES = ("recorder", "guidance", "controller", "simulator")
 # Only in runs with a table of supervision, before the controller.
 SUPERVISOR = "supervisor"
+# Only in paced runs with two controllers: the second one.
+STANDBY = "standby"
 # Started by hand in place of the controller.
 EFFORT_CONTROLLER = "effort_controller"
 
 
-def roles_of(*, supervised: bool) -> tuple[str, ...]:
+def roles_of(*, supervised: bool, failover: bool = False) -> tuple[str, ...]:
     """The roles of a run, in the order to bring them up: a node listens before it is spoken to."""
-    return ("recorder", "guidance", SUPERVISOR, "controller", "simulator") if supervised else ROLES
+    watching, second = (SUPERVISOR,) if supervised else (), (STANDBY,) if failover else ()
+    return ("recorder", "guidance", *watching, *second, "controller", "simulator")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,15 +8,18 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from space_robot_bringup.compose.composition import Composition
-from space_robot_bringup.modes.context import reserved_domain
+from space_robot_bringup.modes.chaos import Blow, plan
+from space_robot_bringup.modes.context import reservations, reserved_domain
+from space_robot_bringup.modes.heartbeats import SILENT_SECONDS, Heartbeats
 from space_robot_bringup.modes.hooks import roles_of
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ParentEnd
+from space_robot_msgs_py.codec.accepted import CONTROLLERS
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.log.closing import close_log_of_dead_writer
 from space_robot_msgs_py.log.run_directory import RunDirectory
@@ -37,6 +40,8 @@ def run_processes(
     realtime: float | None,
     hooks: Hooks,
     late: Mapping[str, float] | None = None,
+    failover: int = 0,
+    chaos: int | None = None,
 ) -> str:
     """Execute a run with one process per node and return the reason of its end.
 
@@ -46,29 +51,35 @@ def run_processes(
         realtime: simulated seconds per second; None: lock-step.
         hooks: progress and early end.
         late: seconds by which a role starts after the others.
+        failover: paced: periods of silence after which a second controller takes over; 0: there is none.
+        chaos: paced: seed of what is done to the processes; None: nothing.
 
     Raises:
         LogError: another run writes to the directory, or it cannot be made.
     """
     if not isinstance(directory, RunDirectory):
         with RunDirectory(directory) as place:
-            return run_processes(composition, place, realtime=realtime, hooks=hooks, late=late)
+            extra: dict[str, Any] = {"late": late, "failover": failover, "chaos": chaos}
+            return run_processes(composition, place, realtime=realtime, hooks=hooks, **extra)
     # A file without a name: however this process ends, nothing of it stays.
     with tempfile.TemporaryFile(prefix="space-robot-") as experiment, reserved_domain() as domain:
         experiment.write(composition.header.experiment.encode())
         experiment.flush()
-        roles = roles_of(supervised=composition.experiment.supervision is not None)
+        roles = roles_of(supervised=composition.experiment.supervision is not None, failover=failover > 0)
         starts = {role: (late or {}).get(role, 0.0) for role in roles}
-        children = _NodeProcesses(directory, _arguments(realtime, hooks), experiment.fileno(), domain, starts)
+        blows = () if chaos is None else plan(chaos, composition.experiment.steps, roles)
+        arguments = _arguments(realtime, hooks, failover)
+        children = _NodeProcesses(directory, arguments, experiment.fileno(), domain, starts, blows)
         try:
             return children.watch(hooks)
         finally:
             children.end()
 
 
-def _arguments(realtime: float | None, hooks: Hooks) -> list[str]:
+def _arguments(realtime: float | None, hooks: Hooks, failover: int) -> list[str]:
     paced = [] if realtime is None else ["--realtime", repr(realtime)]
-    return [*paced, *(["--debug"] if hooks.debug else [])]
+    pair = ["--failover", str(failover)] if failover else []
+    return [*paced, *pair, *(["--debug"] if hooks.debug else [])]
 
 
 class _NodeProcesses:
@@ -80,10 +91,17 @@ class _NodeProcesses:
         experiment: descriptor of a file with the resolved experiment.
         domain: of the run.
         starts: roles, and by how many seconds each starts late.
+        blows: what is done to them.
     """
 
     def __init__(
-        self, place: RunDirectory, arguments: list[str], experiment: int, domain: int, starts: Mapping[str, float]
+        self,
+        place: RunDirectory,
+        arguments: list[str],
+        experiment: int,
+        domain: int,
+        starts: Mapping[str, float],
+        blows: Sequence[Blow] = (),
     ) -> None:
         self._place, self._arguments, self._experiment = place, arguments, experiment
         self._environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
@@ -96,14 +114,21 @@ class _NodeProcesses:
         self._order: str | None = None
         self._give_up = float("inf")
         self._logged: str | None = None
+        self._beats, self._causes = Heartbeats(), dict[str, str]()
+        self._blows, self._stopped = list(blows), dict[str, float]()
+        self._again: set[str] = set()
+        self._warn: Callable[[str], None] = lambda warning: None
 
     def watch(self, hooks: Hooks) -> str:
         """Start the children, follow them, and end the run when one of them ends or ``hooks.stop`` says so."""
+        self._warn = hooks.warn
         while True:
             self._start_due()
             hooks.on_tick(self._tick)
             for key, _ in self._selector.select(POLL_SECONDS):
                 self._hear(key.data)
+            self._strike()
+            self._look_for_silence()
             if self._order is None and (reason := hooks.stop()) is not None:
                 self._end_all(reason)
             if self._logged is not None:
@@ -144,7 +169,7 @@ class _NodeProcesses:
                 stdout=2,
                 env=self._environment,
                 start_new_session=True,
-                pass_fds=tuple(inherited.values()),
+                pass_fds=(*inherited.values(), *reservations()),
             )
             tether.child.close()
             self._tethers[role] = tether
@@ -153,13 +178,60 @@ class _NodeProcesses:
     def _hear(self, role: str) -> None:
         news = self._tethers[role].news()
         if news is not None:
+            if "beat" in news:
+                self._beats.hear(role)
             self._take_in(news)
             return
         tether = self._tethers.pop(role)
         self._selector.unregister(tether)
         tether.close()
-        if self._order is None:
-            self._end_all(self._cause_of_death(role), hurry=True)
+        self._beats.forget(role)
+        if self._order is not None:
+            return
+        cause = self._cause_of_death(role)
+        if not self._has_another(role):
+            self._end_all(cause, hurry=True)
+            return
+        self._warn(cause)
+        if role in self._again:
+            self._again.discard(role)
+            self._due[role] = monotonic()
+
+    def _has_another(self, role: str) -> bool:
+        """Whether it is one of two controllers, and the other one is there."""
+        return role in CONTROLLERS and any(one in self._tethers for one in CONTROLLERS if one != role)
+
+    def _look_for_silence(self) -> None:
+        """A process that is silent is ended: it may be stopped, and would not hear that it should.
+
+        A controller alone is not: the plant holds meanwhile, and a law may take its time.
+        """
+        if not self._recording or self._order is not None:
+            return
+        for role in self._beats.silent():
+            if role in CONTROLLERS and not self._has_another(role):
+                continue
+            self._causes[role] = f"{role}: its process was silent for {SILENT_SECONDS:g} s"
+            self._beats.forget(role)
+            self._children[role].kill()
+
+    def _strike(self) -> None:
+        """Do what is planned to the processes."""
+        for role in [role for role, until in self._stopped.items() if monotonic() >= until]:
+            del self._stopped[role]
+            self._children[role].send_signal(signal.SIGCONT)
+        while self._blows and self._tick >= self._blows[0].tick and self._order is None:
+            blow = self._blows.pop(0)
+            self._warn(blow.line)
+            if blow.role not in self._tethers:
+                continue
+            if blow.action == "stop":
+                self._stopped[blow.role] = monotonic() + blow.seconds
+                self._children[blow.role].send_signal(signal.SIGSTOP)
+                continue
+            if blow.action == "restart":
+                self._again.add(blow.role)
+            self._children[blow.role].kill()
 
     def _take_in(self, news: Mapping[str, Any]) -> None:
         if "tick" in news:
@@ -174,13 +246,18 @@ class _NodeProcesses:
         if self._order is not None:
             return
         self._order = reason
-        self._give_up = monotonic() + (CLOSING_SECONDS if self._recording else END_SECONDS)
+        # A recorder that is stopped, too, closes no log.
+        closes = self._recording and not self._beats.is_late(RECORDER)
+        self._give_up = monotonic() + (CLOSING_SECONDS if closes else END_SECONDS)
         for tether in self._tethers.values():
             tether.order_end(reason, hurry=hurry)
 
     def _cause_of_death(self, role: str) -> str:
         """Only for a process that did not say itself why it ends."""
         child = self._children[role]
+        if role in self._causes:
+            child.wait()
+            return self._causes.pop(role)
         try:
             code = child.wait(END_SECONDS)
         except subprocess.TimeoutExpired:
@@ -191,6 +268,9 @@ class _NodeProcesses:
     def _close_log(self, reason: str) -> str:
         """In place of a recorder that is no more, or that never gets there."""
         recorder = self._children.get(RECORDER)
+        if RECORDER in self._tethers and self._beats.is_late(RECORDER) and reason == "completed":
+            # The plant got to its end, but the log did not.
+            reason = f"{RECORDER}: its process was silent"
         if recorder is not None:
             recorder.kill()
             recorder.wait()

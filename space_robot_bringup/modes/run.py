@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.controller import check_made_here
@@ -25,6 +25,7 @@ from space_robot_msgs_py.log.run_directory import GONE, RunDirectory
 from space_robot_msgs_py.log.writer import LogSink
 from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import Kind, topics_of
+from space_robot_sim.nodes.tick_parts import MAX_LATE
 
 Mode = Literal["headless", "graph", "processes"]
 MODES: tuple[Mode, ...] = get_args(Mode)
@@ -70,6 +71,8 @@ def run_experiment(
     realtime: float | None = None,
     hooks: Hooks | None = None,
     policy: LawPolicy = TYPED,
+    failover: int = 0,
+    chaos: int | None = None,
 ) -> RunResult:
     """Run an experiment, log it and judge it from the log.
 
@@ -80,12 +83,30 @@ def run_experiment(
         realtime: simulated seconds per second; None: as fast as it goes. Not for headless.
         hooks: progress and early end.
         policy: whose code may be its laws.
+        failover: periods of silence after which a second controller takes over; 0: there is none. Paced, processes.
+        chaos: seed of what is done to the processes; None: nothing. Paced, processes.
 
     Raises:
         SpaceRobotError: the experiment cannot be composed or the directory cannot be written; nothing was run.
     """
     check_pace(mode, realtime)
-    return run_composition(compose(experiment, policy), directory, mode=mode, realtime=realtime, hooks=hooks)
+    check_processes(mode, realtime, failover, chaos)
+    processes: dict[str, Any] = {"failover": failover, "chaos": chaos}
+    composition = compose(experiment, policy)
+    return run_composition(composition, directory, mode=mode, realtime=realtime, hooks=hooks, **processes)
+
+
+def check_processes(mode: str, realtime: float | None, failover: int, chaos: int | None) -> None:
+    """Refuse what needs processes and a clock.
+
+    Raises:
+        SpecError: ``failover`` or ``chaos`` in another run, or a number of periods that cannot be.
+    """
+    for key, value in (("--failover", failover or None), ("--chaos", chaos)):
+        if value is not None and (mode != "processes" or realtime is None):
+            raise SpecError("is for paced processes", key=key, value=value, accepted="--mode processes --realtime F")
+    if not 0 <= failover <= MAX_LATE:
+        raise SpecError("not a number of periods", key="--failover", value=failover, accepted=f"1 to {MAX_LATE}")
 
 
 def check_pace(mode: str, realtime: float | None) -> None:
@@ -109,6 +130,7 @@ def run_composition(
     mode: Mode,
     realtime: float | None = None,
     hooks: Hooks | None = None,
+    **processes: Any,
 ) -> RunResult:
     """Run a composed experiment; everything else as ``run_experiment``."""
     hooks = hooks or Hooks()
@@ -119,7 +141,7 @@ def run_composition(
     stopwatch = Stopwatch(hooks)
     # Locked until it is judged: what is judged is what was written.
     with RunDirectory(Path(directory)) as place:
-        reason = _execute(composition, place, mode, realtime, stopwatch.hooks)
+        reason = _execute(composition, place, mode, realtime, stopwatch.hooks, **processes)
         if not place.holds_path() and reason == "completed":
             reason = f"recorder: {place.bag}: {GONE}"
         hooks.on_end(reason)
@@ -185,7 +207,12 @@ class Lacks:
 
 
 def _execute(
-    composition: Composition, directory: RunDirectory, mode: Mode, realtime: float | None, hooks: Hooks
+    composition: Composition,
+    directory: RunDirectory,
+    mode: Mode,
+    realtime: float | None,
+    hooks: Hooks,
+    **processes: Any,
 ) -> str:
     if mode == "headless":
         # The log last: what cannot be made leaves none behind.
@@ -214,5 +241,6 @@ def _execute(
             value=mode,
             accepted=f"headless, or a sourced Jazzy, or {install('ros')}",
         ) from None
-    start = run_graph if mode == "graph" else run_processes
-    return start(composition, directory, realtime=realtime, hooks=hooks)
+    if mode == "graph":
+        return run_graph(composition, directory, realtime=realtime, hooks=hooks)
+    return run_processes(composition, directory, realtime=realtime, hooks=hooks, **processes)

@@ -11,7 +11,7 @@ from pydantic import Field, NonNegativeFloat
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.compose.parameters import overrides_from
 from space_robot_bringup.experiment.experiment import Assignment, Experiment, load_experiment, parsed
-from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, ROLES, SUPERVISOR
+from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, ROLES, STANDBY, SUPERVISOR
 from space_robot_description.spec import Strict
 from space_robot_description.validation import validate
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -28,7 +28,7 @@ autostart, law, gains.<name> and every other key of the experiment, for instance
 """
 
 
-STANDBY = "controller.standby."
+IN_STANDBY = "controller.standby."
 
 
 class Start(Strict):
@@ -43,6 +43,9 @@ class Start(Strict):
     step_count: int = Field(default=1, description="simulator: periods of one ~/step while paused", ge=1, le=MAX_STEPS)
     autostart: bool = Field(
         default=True, description="simulator and controller: configure and activate at once, or wait for ~/change_state"
+    )
+    failover: int = Field(
+        default=0, description="paced: periods of silence after which a standby takes over; 0: there is none", ge=0
     )
     patience: NonNegativeFloat = Field(
         default=300.0, description="seconds to wait for a run to begin or to go on; 0, or without autostart: for ever"
@@ -63,7 +66,7 @@ def parser(name: str = "") -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     fields, nothing = Start.model_fields, argparse.SUPPRESS
-    roles = (*ROLES, SUPERVISOR, EFFORT_CONTROLLER)
+    roles = (*ROLES, SUPERVISOR, STANDBY, EFFORT_CONTROLLER)
     made.add_argument("role", choices=roles, help=argparse.SUPPRESS if name else "which node")
     made.add_argument("--version", action="version", version=version_of(prog))
     default = f"; default {fields['experiment'].default}"
@@ -77,6 +80,7 @@ def parser(name: str = "") -> argparse.ArgumentParser:
         "--no-record", dest="record", action="store_false", default=nothing, help="no recorder takes part: await none"
     )
     made.add_argument("--realtime", type=float, default=nothing, help=fields["realtime"].description)
+    made.add_argument("--failover", type=int, default=nothing, help=fields["failover"].description)
     made.add_argument("--patience", type=float, default=nothing, help=fields["patience"].description)
     made.add_argument("--debug", action="store_true", help="show the traceback of a law that fails")
     # Descriptors inherited from the process that starts the nodes of a run: orders and news, the locked run directory.
@@ -135,11 +139,11 @@ def composed(
 
 def _in_modes(experiment: str, overrides: Sequence[Assignment]) -> Sequence[Assignment]:
     """Under supervision a controller shows the laws of modes as it shows those in standby elsewhere."""
-    shown = [one for one in overrides if one.key.startswith(STANDBY)]
+    shown = [one for one in overrides if one.key.startswith(IN_STANDBY)]
     others = [one for one in overrides if one not in shown]
     if not shown or load_experiment(experiment, others).supervision is None:
         return overrides
-    return [*others, *(one._replace(key=f"supervision.modes.{one.key.removeprefix(STANDBY)}") for one in shown)]
+    return [*others, *(one._replace(key=f"supervision.modes.{one.key.removeprefix(IN_STANDBY)}") for one in shown)]
 
 
 def _keys_in(given: Mapping[str, Any]) -> dict[str, str]:

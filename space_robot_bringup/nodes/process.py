@@ -24,6 +24,8 @@ from rclpy.context import Context
 from space_robot_bringup.compose.composition import Composition, compose, compose_world
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.modes.context import domain_number, local_context
+from space_robot_bringup.modes.heartbeats import beating
+from space_robot_bringup.modes.hooks import STANDBY, SUPERVISOR
 from space_robot_bringup.modes.signals import Interrupted, RunStop
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ChildEnd
 from space_robot_bringup.nodes.arguments import Start, composed, parser, split_ros_arguments, start_from
@@ -51,7 +53,7 @@ POLL_SECONDS = 0.05
 # They call no kernel, once the experiment is checked.
 WITHOUT_KERNELS = ("recorder", "guidance")
 # They make a law, which loads its kernels.
-WITH_LAW = ("controller", "supervisor")
+WITH_LAW = ("controller", STANDBY, SUPERVISOR)
 
 
 def main(arguments: list[str] | None = None, name: str = "") -> int:
@@ -107,6 +109,8 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
             node.get_logger().info(_greeting(options.role, start, composition))
         if isinstance(node, RecorderNode):
             watches.append(_progress(node, composition.experiment.period, tether))
+        if start.realtime:
+            watches.append(beating(tether))
         code = _spin(node, stop, tether, watches, log=options.tether is None)
         if options.debug and node.failure is not None:
             traceback.print_exception(node.failure)
@@ -135,6 +139,7 @@ def _node(options: Namespace, start: Start, composition: Composition, context: C
         out if options.directory is None else RunDirectory(out, inherited=options.directory),
         realtime=start.realtime or None,
         mode="processes",
+        failover=start.failover,
         context=context,
         rows=[row for row in parameter_rows(start) if row.name not in hidden],
         overridable=True,

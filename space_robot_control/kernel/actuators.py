@@ -85,6 +85,20 @@ def scale_down(able: Actuators, bias: Vector, u: Vector) -> None:
 
 
 @inner
+def common_scale(able: Actuators, u: Vector) -> float:
+    """The largest number in [0, 1] by which a command (6+n,) fits every limit."""
+    scale = 1.0
+    for i in range(u.shape[0]):
+        if abs(u[i]) > able.limit[i]:
+            scale = min(scale, able.limit[i] / abs(u[i]))
+    for wheel in range(able.share.shape[0]):
+        size = abs(wheel_part(able.share, wheel, u))
+        if size > able.torque:
+            scale = min(scale, able.torque / size)
+    return scale
+
+
+@inner
 def _alpha(wanted: float, start: float, limit: float) -> float:
     """How far from start to wanted a channel may go; one that is beyond its limit by the start alone: not at all."""
     if not abs(wanted) > limit:

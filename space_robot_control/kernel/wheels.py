@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_control.kernel.actuators import Actuators, wheel_part, within
+from space_robot_control.kernel.actuators import Actuators, common_scale, wheel_part, within
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 
@@ -48,7 +48,7 @@ def apply_to_wheels(wheels: Wheels, u: Vector, seconds: float) -> None:
             wheels.middle[k] = wheels.momentum[k] - taken
             wheels.momentum[k] = wheels.middle[k] - taken
         return
-    scale = _common_scale(able, u) if wheels.preserve else 1.0
+    scale = common_scale(able, u) if wheels.preserve else 1.0
     for k in range(3):
         wheels.momentum[k], wheels.middle[k] = 0.0, 0.0
     for wheel in range(count):
@@ -74,17 +74,3 @@ def _has_room(wheels: Wheels, u: Vector, seconds: float) -> bool:
 def _rate(able: Actuators, wheel: int, scale: float, u: Vector) -> float:
     """Momentum rate of a wheel under a scaled command, within its torque [N m]."""
     return max(-able.torque, min(able.torque, scale * -wheel_part(able.share, wheel, u)))
-
-
-@inner
-def _common_scale(able: Actuators, u: Vector) -> float:
-    """The largest number in [0, 1] by which the command fits every limit."""
-    scale = 1.0
-    for i in range(u.shape[0]):
-        if abs(u[i]) > able.limit[i]:
-            scale = min(scale, able.limit[i] / abs(u[i]))
-    for wheel in range(able.share.shape[0]):
-        size = abs(wheel_part(able.share, wheel, u))
-        if size > able.torque:
-            scale = min(scale, able.torque / size)
-    return scale

@@ -15,6 +15,7 @@ from space_robot_control.command_delay import CommandDelay
 from space_robot_control.laws.compiled import CompiledLaw
 from space_robot_control.laws.gain_range import GainRanges
 from space_robot_control.laws.tunable import Tunable
+from space_robot_control.nominal_friction import NominalFriction
 from space_robot_control.tracking import prepare
 from space_robot_control.wheel_momentum import WheelMomentum
 from space_robot_description.robot import Robot
@@ -74,6 +75,7 @@ class Law(Tunable, ABC):
         inbox: what stands between messages and law; None: nothing, as in every run without faults of links.
         wheels: momentum of the nominal wheels at the stamp of the state: measured, or dead-reckoned from the applied
             commands.
+        friction: of the nominal joints, added to what ``compute`` returns where ``robot.knows_friction`` says so.
 
     Args:
         robot: the NOMINAL robot; a law never sees the true one.
@@ -116,6 +118,7 @@ class Law(Tunable, ABC):
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
         self._sent = CommandDelay(robot.command_delay, none=False)
         self.wheels = WheelMomentum(robot)
+        self.friction = NominalFriction(robot, known=robot.knows_friction)
         prepare()
 
     @classmethod
@@ -242,7 +245,7 @@ class Law(Tunable, ABC):
             raise self._failure(error.message, error.key or "u", state.stamp, error.value, error.accepted) from error
         except (ArithmeticError, np.linalg.LinAlgError) as error:
             raise self._failure(str(error), "u", state.stamp) from error
-        return self._command(state.stamp, u), blocks
+        return self._command(state.stamp, self.friction.added(u, reference)), blocks
 
     def _check(self, state: RobotState, reference: Reference) -> None:
         if state.q.size != 7 + self.n or reference.q.size != 7 + self.n:

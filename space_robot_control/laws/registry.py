@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_description.robot import Robot
+from space_robot_description.spec import Strict
 from space_robot_description.validation import nearest, validate
 from space_robot_msgs_py.bounded_files import is_file, short
 from space_robot_msgs_py.errors import SpecError
@@ -28,12 +29,15 @@ BUILT_IN = {
     "computed_torque": "space_robot_control.laws.computed_torque.law:ComputedTorque",
     "damped_hold": "space_robot_control.laws.damped_hold.law:DampedHold",
     "detumble": "space_robot_control.laws.detumble.law:Detumble",
+    "lqr": "space_robot_control.laws.lqr.law:Lqr",
     "mfac": "space_robot_control.laws.mfac.law:ModelFree",
+    "mpc": "space_robot_control.laws.mpc.law:LinearMpc",
     "none": "space_robot_control.laws.zero_command:ZeroCommand",
     "ntsmc": "space_robot_control.laws.ntsmc.quaternion_law:Ntsmc",
     "ntsmc_euler": "space_robot_control.laws.ntsmc.euler_law:NtsmcEuler",
     "park": "space_robot_control.laws.park.law:Park",
     "pd": "space_robot_control.laws.pd.law:ProportionalDerivative",
+    "reaction_null_space": "space_robot_control.laws.reaction_null_space.law:ReactionNullSpace",
 }
 
 
@@ -91,7 +95,19 @@ def make_law(
         SpecError: the law, a gain or the period cannot be used.
     """
     cls = law_class(name, f"{key}.law", policy)
-    return cls(robot, control_period, validate(cls.Gains, dict(gains or {}), f"{key}.gains."))
+    return cls(robot, control_period, gains_of(cls, gains, key))
+
+
+def gains_of(cls: type[Law], gains: Mapping[str, Any] | None, key: str) -> Law.Gains:
+    """The gains of a law from its section of an experiment file; see ``make_law``.
+
+    Raises:
+        SpecError: the class has no model of its gains, or one of them cannot be used.
+    """
+    if not (isinstance(cls.Gains, type) and issubclass(cls.Gains, Strict)):
+        accepted = "class Gains(space_robot.Law.Gains), nested in the law"
+        raise SpecError("is no model of gains", key=f"{cls.__qualname__}.Gains", value=cls.Gains, accepted=accepted)
+    return validate(cls.Gains, dict(gains or {}), f"{key}.gains.")
 
 
 def _installed() -> dict[str, EntryPoint]:

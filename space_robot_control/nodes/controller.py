@@ -101,8 +101,11 @@ class ControllerNode(ManagedNode):
         self.parameters.declare(self._law.parameters())
         before = self.publishers_by_mark(WRENCH_COMMAND)
         self._command_publishers = [self.publisher(topic) for topic in self._command.topics]
-        mine = self.publishers_by_mark(WRENCH_COMMAND).keys() - before.keys()
-        self._mark = mine.pop() if len(mine) == 1 else UNMARKED
+        # Another controller may come to be at the same time.
+        own = self.get_fully_qualified_name()
+        found = self.publishers_by_mark(WRENCH_COMMAND).items()
+        mine = [mark for mark, name in found if name == own and mark not in before]
+        self._mark = mine[0] if len(mine) == 1 else UNMARKED
         self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
         self._event_publisher = self.publisher(CONTROLLER_EVENTS)
         if isinstance(self._law, Switching) and not self._supervised:

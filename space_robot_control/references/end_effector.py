@@ -13,7 +13,7 @@ from space_robot_control.references.profile import in_body, nanoseconds, quintic
 from space_robot_control.references.spec import EndEffectorPoint, EndEffectorSpec, ToolTarget
 from space_robot_control.references.spline import RestToRestSpline
 from space_robot_control.references.targets import check_limits, configuration
-from space_robot_control.references.tool_kinematics import Pose, ToolKinematics, tool_pose
+from space_robot_control.references.tool_kinematics import Aim, Pose, ToolKinematics, tool_pose
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import exp, from_rpy, log, normalized, product, relative
 from space_robot_msgs_py.errors import SpecError
@@ -105,19 +105,42 @@ def end_effector(spec: EndEffectorSpec, robot: Robot, initial_q: Vector, key: st
 
 def posture_of(point: EndEffectorPoint, robot: Robot, kinematics: ToolKinematics, first: Vector, key: str) -> Posture:
     """Return how a leg from a configuration (7+n,) to a point finds the joints at each knot."""
-    if point.tool is None:
+    if point.tool is None and not point.tools:
         return lambda planned, joints, share, time: kinematics.settled(planned)
-    start, tool = tool_pose(robot, first), point.tool
-    end = _target(tool, start, f"{key}.tool")
-    turn = np.array(log(relative(start.quaternion, end.quaternion)))
+    ways = [_Way(robot.tool_frame, point.tool, robot, first, f"{key}.tool")] if point.tool is not None else []
+    ways += [
+        _Way(_link(robot, name, key), tool, robot, first, f"{key}.tools.{name}") for name, tool in point.tools.items()
+    ]
+    where = f"{key}.tool" if point.tool is not None else f"{key}.tools"
 
     def posture(planned: Vector, joints: Vector, share: float, time: float) -> Vector:
-        position = start.position + share * (end.position - start.position)
-        aim = Pose(position, product(start.quaternion, exp(share * turn)))
         guess = np.concatenate((planned[:7], joints))
-        return kinematics.solve(guess, aim, orientation=tool.orientation == "held", key=f"{key}.tool", time=time)
+        return kinematics.solve(guess, [way.at(share) for way in ways], key=where, time=time)
 
     return posture
+
+
+class _Way:
+    """A tool from where it is to its target, on a straight line and a geodesic."""
+
+    def __init__(self, link: str, tool: ToolTarget, robot: Robot, first: Vector, key: str) -> None:
+        self._link, self._orientation = link, tool.orientation == "held"
+        self._start = tool_pose(robot, first, link)
+        self._end = _target(tool, self._start, key)
+        self._turn = np.array(log(relative(self._start.quaternion, self._end.quaternion)))
+
+    def at(self, share: float) -> Aim:
+        """After a share of the way."""
+        position = self._start.position + share * (self._end.position - self._start.position)
+        pose = Pose(position, product(self._start.quaternion, exp(share * self._turn)))
+        return Aim(self._link, pose, self._orientation)
+
+
+def _link(robot: Robot, name: str, key: str) -> str:
+    if name not in robot.tools:
+        accepted = ", ".join(robot.tools) or "tool: of a robot with a single one"
+        raise SpecError("no such tool", key=f"{key}.tools.{name}", value=name, accepted=accepted)
+    return robot.tools[name]
 
 
 def _target(tool: ToolTarget, start: Pose, key: str) -> Pose:

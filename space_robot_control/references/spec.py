@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveFloat, model_validator
+from pydantic import (
+    Field,
+    NonNegativeFloat,
+    NonNegativeInt,
+    PositiveFloat,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from space_robot_description.spec import PerJoint, Strict, Three
 
@@ -137,12 +145,24 @@ class EndEffectorPoint(Waypoint):
     """A target of the base and of the joints or the tool, and when to be there."""
 
     tool: ToolTarget | None = Field(default=None, description="where the tool goes; the joints then follow")
+    tools: dict[str, ToolTarget] = Field(
+        default_factory=dict,
+        description="the same of several arms: name of a tool -> where it goes; arms that are not named rest",
+    )
 
     @model_validator(mode="after")
     def _joints_follow(self) -> Self:
-        if self.tool is not None and (self.joints, self.joints_deg, self.joints_by_deg) != (None, None, None):
-            raise ValueError("give tool or joints, not both")
+        if self.tool is not None and self.tools:
+            raise ValueError("give tool or tools, not both")
+        follows = self.tool is not None or self.tools
+        if follows and (self.joints, self.joints_deg, self.joints_by_deg) != (None, None, None):
+            raise ValueError(f"give {'tools' if self.tools else 'tool'} or joints, not both")
         return self
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # A point of a single tool is, to the byte, what it was before there were several.
+        return {key: value for key, value in handler(self).items() if key != "tools" or value}
 
 
 class EndEffectorSpec(Strict):

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import pinocchio as pin
 
 from space_robot_description.robot import Robot
@@ -30,11 +33,30 @@ class Pose:
     quaternion: Quaternion
 
 
-def tool_pose(robot: Robot, q: Vector) -> Pose:
-    """Return the pose of the robot's tool frame in a configuration (7+n,)."""
+class Aim(NamedTuple):
+    """Where a tool is to be.
+
+    Attributes:
+        link: of the robot.
+        pose: of it.
+        orientation: False: only the position counts.
+    """
+
+    link: str
+    pose: Pose
+    orientation: bool = True
+
+    @property
+    def rows(self) -> int:
+        """Numbers that it prescribes."""
+        return 6 if self.orientation else 3
+
+
+def tool_pose(robot: Robot, q: Vector, link: str = "") -> Pose:
+    """Return the pose of a link, by default the robot's tool frame, in a configuration (7+n,)."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
-    placement = data.oMf[robot.model.getFrameId(robot.tool_frame, pin.FrameType.BODY)]
+    placement = data.oMf[robot.model.getFrameId(link or robot.tool_frame, pin.FrameType.BODY)]
     return Pose(np.array(placement.translation), normalized(pin.Quaternion(placement.rotation).coeffs().tolist()))
 
 
@@ -43,7 +65,8 @@ class ToolKinematics:
 
     Free-flying: the base motion is prescribed. Free-floating: nothing pushes the robot, so its centre of mass stays
     where it is and the base position is p = c0 - R c(joints); with the base rates given, the tool Jacobian of the
-    joints is J_tool - J_com (inertial axes), the generalised Jacobian with the translation eliminated.
+    joints is J_tool - J_com (inertial axes), the generalised Jacobian with the translation eliminated. Of a robot with
+    several arms the joints between the base and the tools in question move, and the others rest.
 
     Args:
         robot: the NOMINAL robot.
@@ -56,7 +79,6 @@ class ToolKinematics:
 
     def __init__(self, robot: Robot, initial_q: Vector, smallest_singular_value: float) -> None:
         self._robot, self._model, self._data = robot, robot.model, robot.model.createData()
-        self._frame = robot.model.getFrameId(robot.tool_frame, pin.FrameType.BODY)
         self._floating, self._smallest = robot.base_mode == "free_floating", smallest_singular_value
         self._com = np.array(pin.centerOfMass(self._model, self._data, initial_q))
 
@@ -68,26 +90,26 @@ class ToolKinematics:
         out[:3] += self._com - pin.centerOfMass(self._model, self._data, q)
         return out
 
-    def solve(self, guess: Vector, target: Pose, *, orientation: bool, key: str, time: float) -> Vector:
-        """Return the configuration near a guess whose tool is at the target; base attitude (and position) stay.
+    def solve(self, guess: Vector, aims: Sequence[Aim], *, key: str, time: float) -> Vector:
+        """Return the configuration near a guess whose tools are where they aim; base attitude (and position) stay.
 
         Args:
             guess: (7+n,) [m, -, rad].
-            target: of the tool.
-            orientation: False: only the position counts.
+            aims: of different tools.
             key: what to call the target in an error.
             time: for errors [s].
 
         Raises:
             SpecError: too few joints, out of reach, or closer to a singularity than allowed.
         """
-        q, rows = self.settled(guess), 6 if orientation else 3
-        if q.size - 7 < rows:
-            accepted = "orientation: free" if orientation else "an arm of three joints or more"
-            raise SpecError(f"{q.size - 7} joints cannot bring the tool there", key=key, accepted=accepted)
+        q, joints = self.settled(guess), self._joints([aim.link for aim in aims])
+        if joints.size < sum(aim.rows for aim in aims):
+            accepted = "orientation: free" if aims[0].orientation else "an arm of three joints or more"
+            raise SpecError(f"{joints.size} joints cannot bring the tool there", key=key, accepted=accepted)
         for _ in range(ITERATIONS):
-            error = self._error(q, target)[:rows]
-            left, singular, right = np.linalg.svd(self._jacobian(q)[:rows], full_matrices=False)
+            error = np.concatenate([self._error(q, aim)[: aim.rows] for aim in aims])
+            jacobian = np.vstack([self._jacobian(q, aim.link)[: aim.rows, joints] for aim in aims])
+            left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
             if singular[-1] < self._smallest:
                 accepted = f"a tool Jacobian with singular values of {self._smallest:g} or more"
                 raise SpecError(f"singular at {time:g} s", key=key, value=float(singular[-1]), accepted=accepted)
@@ -95,7 +117,7 @@ class ToolKinematics:
                 return q
             step = right.T @ ((left.T @ error) / singular)
             q = np.array(q)
-            q[7:] += step * min(1.0, MAX_STEP / float(np.abs(step).max()))
+            q[7 + joints] += step * min(1.0, MAX_STEP / float(np.abs(step).max()))
             q = self.settled(q)
         away = f"{np.linalg.norm(error[:3]):.3g} m away"
         raise SpecError(f"out of reach at {time:g} s", key=key, value=away, accepted="a pose the arm can take")
@@ -112,28 +134,40 @@ class ToolKinematics:
         Raises:
             SpecError: too few joints, or closer to a singularity than allowed.
         """
-        rows = 6 if q.size - 7 >= 6 else 3
-        if q.size - 7 < rows:
-            raise SpecError(f"{q.size - 7} joints cannot move the tool", key="teleop", accepted="three joints or more")
+        joints = self._joints([self._robot.tool_frame])
+        rows = 6 if joints.size >= 6 else 3
+        if joints.size < rows:
+            raise SpecError(f"{joints.size} joints cannot move the tool", key="teleop", accepted="three joints or more")
         attitude = tool_pose(self._robot, q).quaternion
         wanted = np.array((*rotate(attitude, twist[:3]), *rotate(attitude, twist[3:])))[:rows]
-        left, singular, right = np.linalg.svd(self._jacobian(q)[:rows], full_matrices=False)
+        jacobian = self._jacobian(q, self._robot.tool_frame)[:rows, joints]
+        left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
         if singular[-1] < self._smallest:
             accepted = f"singular values of {self._smallest:g} or more"
             raise SpecError("near a singularity", key="teleop", value=float(singular[-1]), accepted=accepted)
-        rates: Vector = right.T @ ((left.T @ wanted) / singular)
+        rates = np.zeros(q.size - 7)
+        rates[joints] = right.T @ ((left.T @ wanted) / singular)
         if not self._floating:
             return rates, np.zeros(3)
         return rates, -pin.jacobianCenterOfMass(self._model, self._data, q)[:, 6:] @ rates
 
-    def _error(self, q: Vector, target: Pose) -> Vector:
-        pose = tool_pose(self._robot, q)
+    def _joints(self, links: Sequence[str]) -> npt.NDArray[np.int64]:
+        """Indices of the joints that may move for these tools."""
+        if not self._robot.tools:
+            return np.arange(self._robot.n)
+        carried = [self._model.frames[self._model.getFrameId(link, pin.FrameType.BODY)].parentJoint for link in links]
+        chains = {joint for one in carried for joint in self._model.supports[one] if joint > 1}
+        return np.unique([self._model.joints[joint].idx_v - 6 for joint in chains])
+
+    def _error(self, q: Vector, aim: Aim) -> Vector:
+        pose, target = tool_pose(self._robot, q, aim.link), aim.pose
         return np.concatenate(
             (target.position - pose.position, log(product(target.quaternion, conjugate(pose.quaternion))))
         )
 
-    def _jacobian(self, q: Vector) -> Vector:
-        jacobian = pin.computeFrameJacobian(self._model, self._data, q, self._frame, pin.LOCAL_WORLD_ALIGNED)
+    def _jacobian(self, q: Vector, link: str) -> Vector:
+        frame = self._model.getFrameId(link, pin.FrameType.BODY)
+        jacobian = pin.computeFrameJacobian(self._model, self._data, q, frame, pin.LOCAL_WORLD_ALIGNED)
         out = np.array(jacobian[:, 6:])
         if self._floating:
             out[:3] -= pin.jacobianCenterOfMass(self._model, self._data, q)[:, 6:]

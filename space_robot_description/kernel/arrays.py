@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.coupling import COORDINATE, NOTHING_COUPLED, coupling_of
 from space_robot_description.kernel.jit import constants
 from space_robot_description.kernel.joints import joint_axes
 from space_robot_msgs_py.interfaces import Vector
@@ -21,24 +22,26 @@ PARENT, PRISMATIC, LOCKED, TREE_SIZE = constants(0, 1, 2, 3)
 
 
 class RobotArrays(NamedTuple):
-    """The numbers of a free-flying tree of 1 + n bodies.
+    """The numbers of a free-flying tree of 1 + N bodies, moved by n coordinates; N = n where no joint follows another.
 
     Attributes:
-        tree: (1+n, 3) parent body, 1 where the joint slides, 1 where a brake holds it; row 0 is the base.
-        links: (1+n, 22) geometry and inertia in canonical frames [m, kg, kg m, kg m2].
+        tree: (1+N, 3) parent body, 1 where the joint slides, 1 where a brake holds it; row 0 is the base.
+        links: (1+N, 22) geometry and inertia in canonical frames [m, kg, kg m, kg m2].
         motors: (n, 4) lag [s], viscous [N m s/rad], Coulomb [N m], Coulomb velocity [rad/s].
+        coupling: (N, 3) which coordinate moves each joint, see ``kernel.coupling``; (0, 3) where N = n.
     """
 
     tree: npt.NDArray[np.int64]
     links: npt.NDArray[np.float64]
     motors: npt.NDArray[np.float64]
+    coupling: npt.NDArray[np.float64] = NOTHING_COUPLED
 
 
 def robot_arrays(model: Any, motors: npt.ArrayLike | None = None) -> RobotArrays:
     """Canonical arrays of a Pinocchio model.
 
     Args:
-        model: free-flyer root, then joints with one degree of freedom each, no gravity, no armature.
+        model: free-flyer root, then joints with one degree of freedom each or JointModelMimic, no gravity, no armature.
         motors: (n, 4) as in RobotArrays; None: ideal motors.
 
     Raises:
@@ -57,8 +60,25 @@ def robot_arrays(model: Any, motors: npt.ArrayLike | None = None) -> RobotArrays
             links[body, ROTATION:ORIGIN] = (parent_turn.T @ placement.rotation @ turns[body]).ravel()
             links[body, ORIGIN:MASS] = parent_turn.T @ placement.translation
         links[body, MASS:] = _inertia(model.inertias[body + 1], turns[body])
-    ideal = np.tile([0.0, 0.0, 0.0, 1.0], (bodies - 1, 1))
-    return RobotArrays(tree, links, ideal if motors is None else np.ascontiguousarray(motors, dtype=np.float64))
+    ideal = np.tile([0.0, 0.0, 0.0, 1.0], (model.nv - 6, 1))
+    rows = ideal if motors is None else np.ascontiguousarray(motors, dtype=np.float64)
+    return RobotArrays(tree, links, rows, coupling_of(model))
+
+
+def locked_joints(robot: RobotArrays) -> npt.NDArray[np.bool_]:
+    """(n,) coordinates that a brake holds."""
+    locked = robot.tree[1:, LOCKED] > 0
+    if robot.coupling.shape[0]:
+        _, first = np.unique(robot.coupling[:, COORDINATE], return_index=True)
+        locked = locked[first]
+    return locked
+
+
+def with_locked_joints(robot: RobotArrays, locked: npt.NDArray[Any]) -> RobotArrays:
+    """The robot with brakes that hold these coordinates (n,), not zero where one does."""
+    tree = robot.tree.copy()
+    tree[1:, LOCKED] = locked[robot.coupling[:, COORDINATE].astype(int)] if robot.coupling.shape[0] else locked
+    return robot._replace(tree=tree)
 
 
 def _frame_along(axis: Vector) -> npt.NDArray[np.float64]:

@@ -19,6 +19,7 @@ from space_robot_description.kernel.arrays import (
     ROTATION,
     RobotArrays,
 )
+from space_robot_description.kernel.coupling import COORDINATE, MULTIPLIER, POSITION, RATE, of_joint
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.spatial import (
     Vec,
@@ -75,24 +76,31 @@ def inverse_dynamics(robot: RobotArrays, q: Vector, v: Vector, a: Vector, work: 
         q: (7+n,) configuration; place and attitude of the base do not enter.
         v: (6+n,) velocity, base twist in the body frame.
         a: (6+n,) derivative of the components of v.
-        work: (1+n, MOTION_SIZE) scratch.
+        work: (1+N, MOTION_SIZE) scratch.
         u: (6+n,) written: force and moment on the base, joint efforts.
     """
-    bodies = robot.links.shape[0]
+    bodies, coupling = robot.links.shape[0], robot.coupling
     for body in range(bodies):
         if body == 0:
             w, linear = (v[3], v[4], v[5]), (v[0], v[1], v[2])
             dw, dv = (a[3], a[4], a[5]), (a[0], a[1], a[2])
         else:
-            place(robot, body, q[6 + body], work)
-            w, linear, dw, dv = _through_joint(robot, body, v[5 + body], a[5 + body], work)
+            place(robot, body, of_joint(coupling, q, 7, body - 1, POSITION), work)
+            rate, rate_dot = of_joint(coupling, v, 6, body - 1, RATE), of_joint(coupling, a, 6, body - 1, RATE)
+            w, linear, dw, dv = _through_joint(robot, body, rate, rate_dot, work)
         put3(work, body, _W, w)
         put3(work, body, _V, linear)
         put3(work, body, _DW, dw)
         put3(work, body, _DV, dv)
         _own_force(robot.links, body, work)
+    if coupling.shape[0]:
+        u[6:] = 0.0
     for body in range(bodies - 1, 0, -1):
-        u[5 + body] = work[body, _F + 2] if robot.tree[body, PRISMATIC] else work[body, _N + 2]
+        effort = work[body, _F + 2] if robot.tree[body, PRISMATIC] else work[body, _N + 2]
+        if coupling.shape[0]:
+            u[6 + int(coupling[body - 1, COORDINATE])] += coupling[body - 1, MULTIPLIER] * effort
+        else:
+            u[5 + body] = effort
         _add_to_parent(body, robot.tree[body, PARENT], work)
     u[0], u[1], u[2] = get3(work, BASE, _F)
     u[3], u[4], u[5] = get3(work, BASE, _N)

@@ -8,15 +8,16 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from space_robot_description.kernel.coupling import MIMIC
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 
 
 def joint_axes(model: Any) -> tuple[Vector, npt.NDArray[np.bool_]]:
-    """Return the unit axes (n, 3) of the joints in their own frames, and which of them (n,) slide.
+    """Return the unit axes (N, 3) of the joints in their own frames, and which of them (N,) slide.
 
     Args:
-        model: free-flyer root, then joints with one degree of freedom each, no gravity, no armature.
+        model: free-flyer root, then joints with one degree of freedom each or JointModelMimic, no gravity, no armature.
 
     Raises:
         SpecError: the model is not such a robot.
@@ -26,10 +27,21 @@ def joint_axes(model: Any) -> tuple[Vector, npt.NDArray[np.bool_]]:
     pin.computeJointJacobians(model, data, pin.neutral(model))
     axes, slides = np.zeros((model.njoints - 2, 3)), np.zeros(model.njoints - 2, dtype=bool)
     for index in range(2, model.njoints):
-        column = pin.getJointJacobian(model, data, index, pin.LOCAL)[:, model.joints[index].idx_v]
+        column = _column(model, data, index)
         slides[index - 2] = _slides(column, model.names[index])
         axes[index - 2] = column[:3] if slides[index - 2] else column[3:]
     return axes, slides
+
+
+def _column(model: Any, data: Any, index: int) -> Vector:
+    """(6,) how the body moves with its joint."""
+    joint = model.joints[index]
+    if joint.shortname() == MIMIC:
+        # The Jacobian has what the master moves in the same column.
+        column: Vector = np.array(data.joints[index].S).ravel() / joint.extract().scaling
+        return column
+    column = pin.getJointJacobian(model, data, index, pin.LOCAL)[:, joint.idx_v]
+    return column
 
 
 def _check(model: Any) -> None:
@@ -37,7 +49,7 @@ def _check(model: Any) -> None:
         raise SpecError("the first joint is not a free-flyer", key="robot.model", accepted="JointModelFreeFlyer")
     for index in range(2, model.njoints):
         joint = model.joints[index]
-        if (joint.nq, joint.nv) != (1, 1):
+        if (joint.nq, joint.nv) != (1, 1) and joint.shortname() != MIMIC:
             raise SpecError(
                 f"joint {model.names[index]} does not have one degree of freedom",
                 key="robot.model",

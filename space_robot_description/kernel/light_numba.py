@@ -8,7 +8,7 @@ from contextlib import suppress
 def without_scipy() -> None:
     """Load numba's arrays without SciPy, whose BLAS they look for though only products of matrices need it.
 
-    A custom law whose compiled code multiplies matrices loads SciPy then; where there is none, numba says so.
+    A custom law whose compiled code multiplies matrices loads SciPy then, or fails as numba fails where there is none.
     """
     # Private names: where they are others, SciPy is loaded as before.
     with suppress(ImportError, AttributeError):

@@ -11,7 +11,10 @@ from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import Command, Telemetry
 from space_robot_msgs_py.topics import ACCEPTED_COMMAND
 
+# Of a run with two controllers, by the names of their nodes: the one that begins, and the one that stands by.
+CONTROLLERS = ("controller", "standby")
 _TOO_LATE = "too_late"
+_ACTING = "acting:"
 
 
 class Accepted(NamedTuple):
@@ -21,11 +24,15 @@ class Accepted(NamedTuple):
         stamp: of the state that it answers [ns].
         command: it; None: there was none when its period was over, or none that could be used.
         too_late: it can act no more, but its state was answered.
+        acting: of a run with two controllers: the name of the one that answers the state after this.
+        answered: of such a run: to how many states there was an answer so far.
     """
 
     stamp: int
     command: Command | None
     too_late: bool = False
+    acting: str = ""
+    answered: int = 0
 
 
 class AcceptedCodec:
@@ -42,6 +49,8 @@ class AcceptedCodec:
             blocks = {"wrench": command.wrench, "effort": command.effort}
         if value.too_late:
             blocks[_TOO_LATE] = (1.0,)
+        if value.acting:
+            blocks[f"{_ACTING}{value.acting}"] = (float(value.answered),)
         return self._codec.encode(Telemetry.of(value.stamp, blocks))[0]
 
     def decode(self, raw: bytes) -> Accepted:
@@ -54,8 +63,20 @@ class AcceptedCodec:
         """
         telemetry = self._codec.decode((raw,))
         wrench, effort, too_late = telemetry["wrench"], telemetry["effort"], _TOO_LATE in telemetry.labels
+        acting, answered = _turn(telemetry)
         if not wrench.size:
-            return Accepted(telemetry.stamp, None, too_late)
+            return Accepted(telemetry.stamp, None, too_late, acting, answered)
         if wrench.size != 6:
             raise CommandError("wrong size", key=f"{ACCEPTED_COMMAND.name}.wrench", value=wrench.size, accepted="6")
-        return Accepted(telemetry.stamp, Command(telemetry.stamp, wrench, effort), too_late)
+        return Accepted(telemetry.stamp, Command(telemetry.stamp, wrench, effort), too_late, acting, answered)
+
+
+def _turn(telemetry: Telemetry) -> tuple[str, int]:
+    """Who acts, and how many states were answered; nothing where there is one controller."""
+    for label in telemetry.labels:
+        if label.startswith(_ACTING):
+            count = telemetry[label]
+            if count.size != 1:
+                raise CommandError("wrong size", key=f"{ACCEPTED_COMMAND.name}.{label}", value=count.size, accepted="1")
+            return label.removeprefix(_ACTING), int(count[0])
+    return "", 0

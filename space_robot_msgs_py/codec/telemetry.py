@@ -68,10 +68,6 @@ class TelemetryCodec:
         head, data = self._blocks(raw)[1]
         return self._stamp(head), data
 
-    def peek_stamp(self, raw: bytes) -> int:
-        """The stamp [ns] of a message."""
-        return self.decode_part(0, raw)[0]
-
     def read(self, raw: bytes) -> tuple[int, bytes]:
         """The stamp [ns] of a message, and the same message with zero padding and nothing behind it."""
         layout = self.layout_of(raw)

@@ -15,6 +15,8 @@ from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import Topic
 
 JOIN_CAPACITY = 1024
+# More than guidance says again.
+MAX_USED = 64
 # Gives the stamp of a message [ns], or raises SpaceRobotError where it does not fit.
 Reader = Callable[[bytes], int]
 Take = Callable[[RobotState, Reference, tuple[bytes, ...]], None]
@@ -47,6 +49,8 @@ class TickInputs:
     ) -> None:
         self._node, self._take, self._repeated = node, take, repeated
         self.forget()
+        # The stamps that were given out last, and references that came for them afterwards.
+        self._used: dict[int, dict[int, Blocks]] = {}
         self._state, self._reference = StateCodec(joint_names), ReferenceCodec(joint_names)
         self._wheels = WheelMomentumCodec() if wheels else None
         measured: tuple[PartsCodec[Any], ...] = (self._state,) if self._wheels is None else (self._state, self._wheels)
@@ -103,9 +107,18 @@ class TickInputs:
             if index == 0:
                 self._repeated(stamp)
             return
-        if stamp == 0 and self._split <= index < self._whole:
-            # Guidance begins again: what it said before for later stamps is of the run before.
-            self._joiner.let_give_way(index, stamp)
+        if self._split <= index < self._whole:
+            if stamp == 0:
+                # Guidance begins again: what it said before for later stamps is of the run before.
+                self._joiner.let_give_way(index, stamp)
+            if stamp in self._used and stamp not in self._joiner:
+                # Said again for a node that came later; where a run begins again, its state will tell.
+                self._used[stamp][index] = blocks
+                return
+        elif waiting := self._used.get(stamp):
+            for other, its in waiting.items():
+                self._joiner.add(other, stamp, its)
+            waiting.clear()
         joined = self._joiner.add(index, stamp, blocks)
         if joined is not None:
             self._join(stamp, joined)
@@ -133,4 +146,7 @@ class TickInputs:
                     self._node.refuse(self.topics[index], error)
             return
         self._given, self._given_parts = stamp, tuple(parts[: self._split])
+        self._used[stamp] = {}
+        if len(self._used) > MAX_USED:
+            del self._used[next(iter(self._used))]
         self._take(state, reference, tuple([blocks[0] for blocks in parts[self._whole :]]))

@@ -21,10 +21,9 @@ from space_robot_report.playback import Footage
 
 WRITERS: dict[str, Any] = {".gif": PillowWriter, ".mp4": FFMpegWriter}
 MAX_FRAMES = 3_000
-# Edges of a cube as one line.
-CUBE = np.array(
-    [[x, y, z] for x, y, z in ("000", "100", "110", "010", "000", "001", "101", "111", "011", "001")], dtype=float
-)
+# Corners of a cube by the bits of their number, in an order in which one line is all of its edges.
+ORDER = (0, 4, 6, 2, 0, 1, 5, 4, 5, 7, 6, 7, 3, 2, 3, 1)
+CUBE = np.array([[corner >> 2 & 1, corner >> 1 & 1, corner & 1] for corner in ORDER], dtype=float)
 DESIRED, ACTUAL, TRACE = "#9aa5b1", "#1f5fa8", "#c0632b"
 
 
@@ -82,7 +81,7 @@ class _Stage:
     def __init__(self, figure: Figure, robot: Robot, footage: Footage) -> None:
         self._robot, self._footage = robot, footage
         self._data = robot.model.createData()
-        axes: Any = figure.add_axes((0.0, 0.0, 1.0, 0.95), projection="3d")
+        axes: Any = figure.add_axes((0.0, 0.04, 1.0, 0.91), projection="3d")
         self._axes = axes
         self._tools = np.array([self._arm(q)[-1] for q in footage.q])
         points = np.vstack([self._arm(q) for q in footage.q[:: max(1, len(footage.q) // 50)]])
@@ -91,6 +90,7 @@ class _Stage:
             getattr(axes, f"set_{name}lim")(center - half, center + half)
             getattr(axes, f"set_{name}label")(f"{name} [m]")
         axes.set_box_aspect((1.0, 1.0, 1.0))
+        self._drawn = _outward_and_back(robot)
         # The side of the box that stands for the base: as far as the arm is mounted, at most a third of the picture.
         self._side = min(2.0 * float(np.linalg.norm(points[1] - points[0])), half * 2.0 / 3.0)
         self._desired = self._line(DESIRED, 1.5), self._line(DESIRED, 1.0)
@@ -104,7 +104,7 @@ class _Stage:
         """Move every line to a tick."""
         footage = self._footage
         for (arm, base), q in ((self._desired, footage.q_d[tick]), (self._actual, footage.q[tick])):
-            arm.set_data_3d(*self._arm(q).T)
+            arm.set_data_3d(*self._arm(q)[self._drawn].T)
             base.set_data_3d(*self._base().T)
         self._trace.set_data_3d(*self._tools[: tick + 1].T)
         self._axes.set_title(f"{self._robot.name}, {footage.time[tick]:.1f} s; grey: desired")
@@ -120,7 +120,22 @@ class _Stage:
         return np.array(points)
 
     def _base(self) -> Vector:
-        """(10, 3) the edges of the box for the base, at the configuration of the last ``_arm``."""
+        """(16, 3) the edges of the box for the base, at the configuration of the last ``_arm``."""
         placement = self._data.oMi[1]
         corners: Vector = (CUBE - 0.5) * self._side @ np.array(placement.rotation).T + np.array(placement.translation)
         return corners
+
+
+def _outward_and_back(robot: Robot) -> list[int]:
+    """Order in which one line is all links between the points of ``_arm``, and nothing else: a tree branches."""
+    model, tool = robot.model, robot.tool_frame
+    parents = [int(parent) - 1 for parent in list(model.parents)[1:]]
+    if tool and model.existFrame(tool):
+        parents.append(int(model.frames[model.getFrameId(tool)].parentJoint) - 1)
+    order = [0]
+    for end in sorted(set(range(len(parents))) - set(parents)):
+        inward = [end]
+        while inward[-1]:
+            inward.append(parents[inward[-1]])
+        order += [*reversed(inward), *inward[1:]]
+    return order

@@ -12,7 +12,7 @@ from space_robot_description.visual import Look
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.arrays import LogArrays
 from space_robot_report.pages.plots import packed
-from space_robot_report.playback import Footage, joint_axes, way_of
+from space_robot_report.playback import Footage, efforts_by_joint, joint_axes, way_of
 
 # The page turns smoothly between these; more would not be seen.
 MAX_FRAMES = 900
@@ -29,7 +29,7 @@ def scene(look: Look, arrays: LogArrays, tool: str) -> dict[str, Any]:
     Returns:
         ``parts`` (triangles in the frame of a body, with color), ``time`` (M,) [s], ``poses`` and ``ghost`` (M, bodies,
         7) positions and quaternions of true and desired bodies in the inertial frame, ``trail`` (M, 3) of the tool,
-        ``torque`` (M, 3) on the base in its frame and ``efforts`` (M, n) with the ``axes`` (n, 3) they act about, each
+        ``torque`` (M, 3) on the base in its frame and ``efforts`` (M, N) with the ``axes`` (N, 3) they act about, each
         over the largest of the run.
     """
     film = Footage.of(arrays)
@@ -43,7 +43,7 @@ def scene(look: Look, arrays: LogArrays, tool: str) -> dict[str, Any]:
         "ghost": packed(_placements(look, film.q_d[frames]), "f4"),
         "trail": packed(way_of(look.model, film.q[frames], link), "f4"),
         "torque": packed(film.torque[frames], "f4"),
-        "efforts": packed(film.efforts[frames], "f4"),
+        "efforts": packed(efforts_by_joint(look.model, film.efforts[frames]), "f4"),
         "axes": packed(joint_axes(look.model), "f4"),
     }
 

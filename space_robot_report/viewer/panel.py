@@ -40,13 +40,10 @@ class Panel:
     ) -> None:
         self._clock, self._spans = clock, show.spans
         gui = server.gui
-        gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
-        gui.set_panel_label(show.title)
-        # Not Markdown: viser takes HTML in it for what it is, and reads the files its images name.
-        gui.add_html(_framed(show.about))
+        head(gui, show.title, show.about)
         self._now = ""
         if story.now(show.spans, start):
-            gui.add_html(_framed(story.bands(show.spans, start, end)))
+            gui.add_html(framed(story.bands(show.spans, start, end)))
             self._shown_now = gui.add_html("")
         self._button = gui.add_button("Play")
         span = max(end - start, 1e-3)
@@ -56,10 +53,10 @@ class Panel:
         self._slider.on_update(self._on_slider)
         self._speed.on_update(self._on_speed)
         for label, tell in switches.items():
-            self._add_switch(gui, label, tell)
+            add_switch(gui, label, tell)
         if show.events:
             with gui.add_folder("events", expand_by_default=False):
-                gui.add_html(_framed(story.table(show.events)))
+                gui.add_html(framed(story.table(show.events)))
         self.follow()
 
     def follow(self) -> None:
@@ -69,7 +66,7 @@ class Panel:
         if self._button.label != label:
             self._button.label = label
         if (now := story.now(self._spans, self._clock.now)) != self._now:
-            self._now, self._shown_now.content = now, _framed(now)
+            self._now, self._shown_now.content = now, framed(now)
 
     def _on_slider(self, event: Any) -> None:
         # Its own ``follow`` moves the slider too; only a person has a client.
@@ -80,16 +77,26 @@ class Panel:
         del event
         self._clock.speed = float(self._speed.value)
 
-    @staticmethod
-    def _add_switch(gui: Any, label: str, tell: Callable[[bool], None]) -> None:
-        switch = gui.add_checkbox(label, initial_value=True)
 
-        def on_update(event: Any) -> None:
-            del event
-            tell(switch.value)
-
-        switch.on_update(on_update)
+def head(gui: Any, title: str, about: str) -> None:
+    """Title of the panel, and a line or two of HTML."""
+    gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
+    gui.set_panel_label(title)
+    # Not Markdown: viser takes HTML in it for what it is, and reads the files its images name.
+    gui.add_html(framed(about))
 
 
-def _framed(content: str) -> str:
+def add_switch(gui: Any, label: str, tell: Callable[[bool], None]) -> None:
+    """A switch that is on, and tells when it is turned."""
+    switch = gui.add_checkbox(label, initial_value=True)
+
+    def on_update(event: Any) -> None:
+        del event
+        tell(switch.value)
+
+    switch.on_update(on_update)
+
+
+def framed(content: str) -> str:
+    """HTML as it stands in the panel."""
     return f'<div style="{STYLE}">{content}</div>'

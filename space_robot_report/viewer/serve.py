@@ -10,6 +10,7 @@ from time import perf_counter, sleep
 
 import viser
 
+from space_robot_report.playback import way_of
 from space_robot_report.viewer.clock import PlayClock
 from space_robot_report.viewer.motion import Motion
 from space_robot_report.viewer.panel import Panel
@@ -17,6 +18,8 @@ from space_robot_report.viewer.show import Show
 from space_robot_report.viewer.stage import Stage
 
 FRAME_SECONDS = 1.0 / 30.0
+# Of the way of the tool; more would only burden the browser.
+MAX_STEPS = 3000
 
 
 def serve(
@@ -36,11 +39,12 @@ def serve(
         on_ready: called with the address once it is served.
         stop: asked 30 times a second; a reason ends it.
     """
-    with _served(port) as server:
-        address = f"http://localhost:{server.get_port()}"
+    with served(port) as server:
+        address = address_of(server)
         start, end = float(show.film.time[0]), float(show.film.time[-1])
         clock, motion = PlayClock(start, end), Motion(show.look.model, show.film)
-        stage = Stage(server, show.look, motion, show.tool, desired=show.desired)
+        way = way_of(show.look.model, show.film.q[:: 1 + len(show.film.q) // MAX_STEPS], show.tool)
+        stage = Stage(server, show.look, show.film.q[0], way, desired=show.desired)
         panel = Panel(server, clock, show, start=start, end=end, switches=stage.switches())
         stage.show(motion.at(start))
         on_ready(address)
@@ -50,7 +54,7 @@ def serve(
 
 
 @contextmanager
-def _served(port: int) -> Iterator[viser.ViserServer]:
+def served(port: int) -> Iterator[viser.ViserServer]:
     """A server that says nothing by itself: its ``verbose`` leaves a banner and a farewell on stdout."""
     with redirect_stdout(StringIO()):
         server = viser.ViserServer(host="localhost", port=port, verbose=False)
@@ -59,6 +63,11 @@ def _served(port: int) -> Iterator[viser.ViserServer]:
     finally:
         with redirect_stdout(StringIO()):
             server.stop()
+
+
+def address_of(server: viser.ViserServer) -> str:
+    """Where a browser finds it."""
+    return f"http://localhost:{server.get_port()}"
 
 
 def _play(clock: PlayClock, motion: Motion, stage: Stage, panel: Panel, stop: Callable[[], str | None]) -> None:

@@ -12,38 +12,34 @@ import viser
 from space_robot_description.triangles import triangles_of
 from space_robot_description.visual import Look
 from space_robot_msgs_py.interfaces import Vector
-from space_robot_report.playback import joint_axes, way_of
-from space_robot_report.viewer.motion import Moment, Motion
+from space_robot_report.playback import efforts_by_joint, joint_axes
+from space_robot_report.viewer.motion import Moment
 from space_robot_report.viewer.visualizer import GhostVisualizer, RobotVisualizer
 
 DESIRED = (0.0, 0.45, 0.7, 0.22)
 TORQUE, WAY = (213, 94, 0), (204, 121, 167)
-# Of the way of the tool; more would only burden the browser.
-MAX_STEPS = 3000
 # Arrows shorter than this share of the longest are left out.
 MIN_LENGTH = 0.02
 
 
 class Stage:
-    """Shows moments of a motion.
+    """Shows moments of a run.
 
     Args:
         server: of viser.
         look: the robot.
-        motion: its log.
-        tool: the link whose way is drawn.
+        q: (7+n,) its first configuration.
+        way: (K, 3) way of the tool [m], see ``draw_way``.
         desired: a robot stands where it was desired, too.
 
     Attributes:
         size: how far the robot reaches from its base at the start [m].
     """
 
-    def __init__(
-        self, server: viser.ViserServer, look: Look, motion: Motion, tool: str, *, desired: bool = True
-    ) -> None:
+    def __init__(self, server: viser.ViserServer, look: Look, q: Vector, way: Vector, *, desired: bool = True) -> None:
         self._server = server
-        self._start = np.array(motion.film.q[0, :3])
-        self.size = _reach(look, motion.film.q[0])
+        self._start = np.array(q[:3])
+        self.size = _reach(look, q)
         self._following = True
         self._axes = joint_axes(look.model)
         scene = server.scene
@@ -62,9 +58,7 @@ class Stage:
         axes = {"axes_length": 0.75 * self.size, "axes_radius": 0.02 * self.size}
         self._base = scene.add_frame("world/base axes", **axes)
         self._torques = scene.add_arrows("world/torques", np.zeros((1, 2, 3)), TORQUE, **self._arrow)
-        way = way_of(look.model, motion.film.q[:: 1 + len(motion.film.q) // MAX_STEPS], tool)
-        pieces = np.stack([way[:-1], way[1:]], axis=1) if len(way) > 1 else np.stack([way, way], axis=1)
-        self._way = scene.add_line_segments("world/way", pieces, WAY, thickness=0.012 * self.size)
+        self._way = scene.add_line_segments("world/way", _pieces(way), WAY, thickness=0.012 * self.size)
         self._add_grid()
         server.initial_camera.look_at = tuple(self._start)
         server.initial_camera.position = tuple(self._start + self.size * np.array([1.7, -2.1, 1.2]))
@@ -91,6 +85,10 @@ class Stage:
             self._place_world()
         self._server.flush()
 
+    def draw_way(self, way: Vector) -> None:
+        """Draw another way of the tool, (K, 3) [m], inertial frame; at least one place."""
+        self._way.points = _pieces(way)
+
     def _follow(self, following: bool) -> None:
         self._following = following
         self._place_world()
@@ -114,12 +112,18 @@ class Stage:
         placements, arrows = self._robot.data.oMi, []
         base = placements[1]
         arrows.append((base.translation, 1.1 * self.size * base.rotation @ moment.torque))
-        for joint, (axis, effort) in enumerate(zip(self._axes, moment.efforts, strict=True), start=2):
+        efforts = efforts_by_joint(self._robot.model, moment.efforts)
+        for joint, (axis, effort) in enumerate(zip(self._axes, efforts, strict=True), start=2):
             place = placements[joint]
             arrows.append((place.translation, 0.6 * self.size * effort * place.rotation @ axis))
         long = [(at, at + push) for at, push in arrows if np.linalg.norm(push) > MIN_LENGTH * self.size]
         # viser wants at least one.
         return np.array(long or [(base.translation, base.translation)])
+
+
+def _pieces(way: Vector) -> Vector:
+    """(N, 2, 3) ends of the lines of a way."""
+    return np.stack([way[:-1], way[1:]], axis=1) if len(way) > 1 else np.stack([way, way], axis=1)
 
 
 def _reach(look: Look, q: Vector) -> float:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from space_robot_description.kernel.arrays import LOCKED, RobotArrays
+from space_robot_description.kernel.arrays import RobotArrays, with_locked_joints
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.faults.base import Actuation, ActuationFault
 from space_robot_sim.faults.plan import FaultPlan
@@ -70,8 +70,6 @@ class ActuationStage:
             if one.first == tick:
                 self._memories[one.index].clear()
             one.fault.act(now, self._memories[one.index])
-        tree = arrays.tree.copy()
-        tree[1:, LOCKED] = now.locked
         able = self._able._replace(
             limit=now.limit,
             share=now.share,
@@ -80,7 +78,7 @@ class ActuationStage:
             push=now.push,
             outside=now.outside,
         )
-        return Acts(now.command, able, arrays._replace(tree=tree, motors=now.motors), now.brakes)
+        return Acts(now.command, able, with_locked_joints(arrays, now.locked)._replace(motors=now.motors), now.brakes)
 
     def _without_faults(self, command: Vector, wheels: Vector, arrays: RobotArrays) -> Actuation:
         able = self._able

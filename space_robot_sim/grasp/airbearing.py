@@ -76,7 +76,7 @@ class AirbearingTestbed(GraspedBody):
         allowed = np.clip(acting, -self._limit, self._limit)
         fx, fy, torque = float(allowed[FORWARD]), float(allowed[SIDEWAYS]), float(allowed[YAW])
         # A flywheel that is full takes no more: its momentum grows against the torque on the base.
-        wheel = float(self._y[self._layout.wheels][2])
+        wheel = float(self._y[self.dynamics.wheels][2])
         if abs(wheel) >= self._full and wheel * torque < 0.0:
             torque = 0.0
         outside = self._outside

@@ -62,8 +62,8 @@ class CapturedDebris(GraspedBody):
 
     def _see(self, push: Push) -> RobotState:
         n, y = self._n, self._y
-        velocity = y[self._layout.velocity]
-        slope = self._layout.slope(y, push, self._stamp / NANOSECONDS)[self._layout.velocity]
+        velocity = y[self.dynamics.velocity]
+        slope = self.dynamics.slope(y, push, self._stamp / NANOSECONDS)[self.dynamics.velocity]
         acceleration = slope[:3] + np.cross(velocity[3:6], velocity[:3])
         truth = RobotState(self._stamp, y[: 7 + n], velocity, np.array(push.effort), acceleration)
         return self._sensors.measure(truth)

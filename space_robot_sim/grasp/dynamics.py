@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.kernel import jit
+from space_robot_description.kernel.arrays import robot_arrays
+from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import Three, conjugate, cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.grasp.kernel.step import GraspRule, grasp_step, grasp_work
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.orbit import Orbit, crosses
 from space_robot_sim.kernel.tableau import STAGES, A, B, C
@@ -18,7 +24,7 @@ from space_robot_sim.kernel.tableau import STAGES, A, B, C
 NOTHING: Three = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Push:
     """What acts during one control period.
 
@@ -41,6 +47,12 @@ class Push:
     outside_torque: Three = NOTHING
     rest: float = 0.0
     turning: float = 0.0
+
+    @cached_property
+    def numbers(self) -> Vector:
+        """(17+n,) all of it, in the order of ``kernel/step.py``."""
+        acting, outside = (*self.force, *self.moment, *self.torque), (*self.outside_force, *self.outside_torque)
+        return np.array([*acting, *outside, self.rest, self.turning, *self.effort])
 
     @classmethod
     def none(cls, n: int) -> Push:
@@ -78,9 +90,23 @@ class GraspDynamics:
         self.size, self.n = 27 + 2 * n, n
         self._stages = np.zeros((STAGES, self.size))
         self._q = pin.neutral(robot.model)
+        self._kernel = self._compiled(robot) if orbit is None and jit.MACHINE_CODE else None
+
+    def _compiled(self, robot: Robot) -> Callable[[Vector, Push, float], None]:
+        """A step in machine code; where there is gravity or no compiler, it is made of ``slope``."""
+        arrays, spec = robot_arrays(robot.model), self._grasp.spec
+        springs = spec.stiffness, spec.damping, spec.torsional_stiffness, spec.torsional_damping, spec.slip_torque
+        rule = GraspRule(np.array(self._joints, dtype=np.int64), *springs, self._lag)
+        work, example = grasp_work(self.n, self.size), np.zeros(17 + self.n)
+        step = bound(grasp_step, arrays, rule, example, np.zeros(self.size), 0.0, work)
+        return lambda y, push, h: step(arrays, rule, push.numbers, y, h, work)
 
     def step(self, y: Vector, push: Push, t: float, h: float) -> Vector:
         """One step of DOP853 (order 8) of h [s] from t [s] on."""
+        if self._kernel is not None:
+            found = y.copy()
+            self._kernel(found, push, h)
+            return found
         stages = self._stages
         for s in range(STAGES):
             stages[s] = self.slope(y + h * (A[s, :s] @ stages[:s]), push, t + C[s] * h)

@@ -26,10 +26,14 @@ class Grasp:
 
     so that |kth b| never exceeds the slip torque Tc, and the grasp keeps the angle it has slipped to.
 
+    Attributes:
+        spec: its numbers.
+
     Reference: Dahl, "A Solid Friction Model", Aerospace Corp. TOR-158(3107-18), 1968.
     """
 
     def __init__(self, spec: GraspSpec) -> None:
+        self.spec = spec
         self._k, self._c = spec.stiffness, spec.damping
         self._kth, self._d, self._slip = spec.torsional_stiffness, spec.torsional_damping, spec.slip_torque
 

@@ -35,6 +35,9 @@ class GraspedBody(ABC):
         seen: how many integration steps old configurations are kept for the sensors.
         conditions: of the run.
 
+    Attributes:
+        dynamics: its equations of motion.
+
     Raises:
         SpecError: an argument does not fit the robot or the period.
     """
@@ -60,7 +63,7 @@ class GraspedBody(ABC):
         self._period, self._h = control_period, control_period / NANOSECONDS / self._steps
         self._hold = CommandHold(robot.n, delay_periods=conditions.delay_periods, hold=conditions.hold)
         self._monitor = CommandMonitor(conditions.monitor, command_limit(robot), robot.joint_names)
-        self._layout = GraspDynamics(robot, force, joints, lag, orbit)
+        self.dynamics = GraspDynamics(robot, force, joints, lag, orbit)
         self._conservation, self._telemetry = ConservationBalance(robot.model), GraspTelemetry(robot, joints, force)
         self._seen: deque[Vector] = deque(maxlen=seen + 1)
 
@@ -78,7 +81,7 @@ class GraspedBody(ABC):
 
     def reset(self) -> PlantSample:
         """Return to the initial state and show it (stamp 0)."""
-        self._y = np.zeros(self._layout.size)
+        self._y = np.zeros(self.dynamics.size)
         self._y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
         self._stamp = 0
         nothing = self._hold.reset()
@@ -97,29 +100,29 @@ class GraspedBody(ABC):
             IntegrationError: the state stopped being finite.
         """
         acting = self._hold.take(self._monitor.check(command))
-        push, stored = self._push(acting.u), self._y[self._layout.wheels].copy()
+        push, stored = self._push(acting.u), self._y[self.dynamics.wheels].copy()
         if self._lag == 0.0:
-            self._y[self._layout.wheel_torque] = push.torque
+            self._y[self.dynamics.wheel_torque] = push.torque
         with np.errstate(over="ignore", invalid="ignore"):
             for index in range(self._steps):
-                self._y = self._layout.step(self._y, push, self._stamp / NANOSECONDS + index * self._h, self._h)
+                self._y = self.dynamics.step(self._y, push, self._stamp / NANOSECONDS + index * self._h, self._h)
                 self._seen.append(self._y[: 7 + self._n].copy())
         self._stamp += self._period
         if not np.isfinite(self._y).all():
             raise IntegrationError(f"not finite at {self._stamp / NANOSECONDS:g} s", key="state")
         norm = float(np.linalg.norm(self._y[3:7]))
         self._y[3:7] /= norm
-        wheels = (stored - self._y[self._layout.wheels]) / (self._steps * self._h)
+        wheels = (stored - self._y[self.dynamics.wheels]) / (self._steps * self._h)
         return self._show(acting, push, wheels, abs(norm - 1.0))
 
     def _show(self, acting: Acting, push: Push, wheels: Vector, quaternion_residual: float) -> PlantSample:
-        n, layout, y = self._n, self._layout, self._y
+        n, layout, y = self._n, self.dynamics, self._y
         telemetry = self._telemetry.of(
             self._stamp,
             motion=y[: 13 + 2 * n],
             grasp=(float(y[layout.bristle]), push.rest, push.turning),
             wheels=y[layout.wheels],
-            balance=self._conservation.balance(y[: 7 + n], y[layout.velocity], y[layout.wheels], y[layout.balance]),
+            balance=self._conservation.balance(y[: 13 + 2 * n], y[layout.wheels], y[layout.balance]),
             quaternion_residual=quaternion_residual,
             applied=np.concatenate([push.force, wheels + push.moment, push.effort]),
             acting=acting,
@@ -132,10 +135,13 @@ def grasp_joints(robot: Robot, spec: GraspSpec) -> tuple[int, int, int]:
     """Indices of the grasp's joints in the robot.
 
     Raises:
-        SpecError: the robot has no such joint, it is of the wrong kind, or the base cannot be pushed.
+        SpecError: no such joint, or of the wrong kind, or one follows another, or the base cannot be pushed.
     """
     if robot.base_mode != "free_flying":
         raise SpecError("cannot be pushed", key="robot.base_mode", value=robot.base_mode, accepted="free_flying")
+    if robot.mimics:
+        follower = next(iter(robot.mimics))
+        raise SpecError("mimics another joint", key=f"joint {follower}", accepted="plant.kind: articulated")
     for name, length in zip(spec.joints, (True, True, False), strict=True):
         if name not in robot.joint_names:
             accepted = ", ".join(robot.joint_names)

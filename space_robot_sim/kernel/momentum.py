@@ -15,6 +15,7 @@ from space_robot_description.kernel.arrays import (
     ROTATION,
     RobotArrays,
 )
+from space_robot_description.kernel.coupling import POSITION, RATE, of_joint
 from space_robot_description.kernel.inverse_dynamics import place
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.quaternion import attitude, matrix
@@ -49,7 +50,7 @@ def balance(robot: RobotArrays, y: Vector, axes: Vector, wheels: Vector, work: V
         y: state; its quaternion is unit.
         axes: (3, k) wheel axes, body frame.
         wheels: (k,) momentum of each wheel relative to the body [N m s].
-        work: (1+n, WORKSPACE) scratch.
+        work: (1+N, WORKSPACE) scratch.
         out: (9,) receives linear(3), angular(3), energy, and the sums over bodies of |m v| and |angular momentum|.
     """
     for k in range(BALANCE_SIZE):
@@ -65,20 +66,20 @@ def balance(robot: RobotArrays, y: Vector, axes: Vector, wheels: Vector, work: V
 @inner
 def _move(robot: RobotArrays, body: int, y: Vector, work: Vector) -> None:
     """Velocity of a body in its own frame, its rotation and place in the inertial one."""
-    bodies = robot.links.shape[0]
+    n = robot.motors.shape[0]
     if body == 0:
-        k = 6 + bodies
+        k = 7 + n
         v, w = (y[k], y[k + 1], y[k + 2]), (y[k + 3], y[k + 4], y[k + 5])
         turn, origin = matrix(attitude(y)), (y[0], y[1], y[2])
     else:
-        place(robot, body, y[6 + body], work)
+        place(robot, body, of_joint(robot.coupling, y, 7, body - 1, POSITION), work)
         above = robot.tree[body, PARENT]
         relative, shift, w_above = get9(work, body, ROTATION), get3(work, body, ORIGIN), get3(work, above, _W)
         turn_above = get9(work, above, _TURN)
         turn, origin = product(turn_above, relative), add(get3(work, above, _PLACE), mul(turn_above, shift))
         w = mul_t(relative, w_above)
         v = mul_t(relative, add(get3(work, above, _V), cross(w_above, shift)))
-        rate = y[12 + bodies + body - 1]
+        rate = of_joint(robot.coupling, y, 13 + n, body - 1, RATE)
         if robot.tree[body, PRISMATIC]:
             v = (v[0], v[1], v[2] + rate)
         else:

@@ -13,6 +13,7 @@ from space_robot_description.kernel.context import kind_of, loaded, stored
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.allocation import Allocation, Capability, allocate, allocation
+from space_robot_sim.kernel.disturbance import NOTHING
 from space_robot_sim.kernel.momentum import (
     ANGULAR,
     BALANCE_SIZE,
@@ -42,6 +43,7 @@ class PlantMemory(NamedTuple):
         gauges: (7,) residuals of linear and angular momentum, energy, quaternion; acceleration of the base origin(3).
         scratch: memory.
         allocation: memory.
+        disturbance: (9,) what pushes the base beside the actuators, see `kernel.disturbance`; (0,): nothing.
     """
 
     y: npt.NDArray[np.float64]
@@ -54,14 +56,15 @@ class PlantMemory(NamedTuple):
     gauges: npt.NDArray[np.float64]
     scratch: Scratch
     allocation: Allocation
+    disturbance: npt.NDArray[np.float64] = NOTHING
 
 
-def plant_memory(joints: int, wheels: int) -> PlantMemory:
-    """Memory for a robot with that many joints and wheels."""
+def plant_memory(joints: int, wheels: int, followers: int = 0) -> PlantMemory:
+    """Memory for a robot with that many joints and wheels, and joints that follow others."""
     y = np.zeros(13 + 2 * joints + QUADRATURES)
     balance = np.zeros(BALANCE_SIZE), np.zeros(BALANCE_SIZE), np.zeros(3), np.zeros(GAUGES)
-    motors, effort = np.zeros(joints), np.zeros(joints)
-    return PlantMemory(y, np.zeros(wheels), motors, effort, *balance, scratch(joints), allocation(joints, wheels))
+    motors, effort, memory = np.zeros(joints), np.zeros(joints), scratch(joints, followers)
+    return PlantMemory(y, np.zeros(wheels), motors, effort, *balance, memory, allocation(joints, wheels))
 
 
 class PlantContext(NamedTuple):
@@ -106,7 +109,7 @@ def advance(context: Any, command: Vector, period: float, start: bool) -> int:
     """
     robot, able, how, plant = loaded(context, PLANT)
     count = allocate(able, command, period, plant.wheels, plant.allocation)
-    drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors)
+    drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors, plant.disturbance)
     if start:
         reset_baseline(robot, able, drive, plant)
         return DONE

@@ -20,6 +20,8 @@ from space_robot_description.kernel.spatial import Vec, add, cross, dot, get3, m
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.aba import forward_dynamics
 from space_robot_sim.kernel.articulated import WORKSPACE
+from space_robot_sim.kernel.coupled import CoupledMemory, coupled_dynamics, coupled_memory
+from space_robot_sim.kernel.disturbance import NOTHING, count_disturbance, disturbance_wrench
 from space_robot_sim.kernel.tableau import STAGES
 
 QUADRATURES = 7
@@ -36,11 +38,13 @@ class Drive(NamedTuple):
         segments: (k, 14) times between which force, torque and wheel torque are constant, all in the body frame.
         effort: (n,) joint efforts asked of the motors [N m or N].
         start_effort: (n,) joint efforts at the beginning of the period.
+        disturbance: what pushes the base beside them, see `kernel.disturbance`; (0,): nothing.
     """
 
     segments: npt.NDArray[np.float64]
     effort: npt.NDArray[np.float64]
     start_effort: npt.NDArray[np.float64]
+    disturbance: npt.NDArray[np.float64] = NOTHING
 
 
 class Scratch(NamedTuple):
@@ -56,13 +60,15 @@ class Scratch(NamedTuple):
     bodies: npt.NDArray[np.float64]
     effort: npt.NDArray[np.float64]
     error: npt.NDArray[np.float64]
+    coupled: CoupledMemory
 
 
-def scratch(joints: int) -> Scratch:
-    """Memory for a robot with that many joints."""
+def scratch(joints: int, followers: int = 0) -> Scratch:
+    """Memory for a robot with that many joints, and others that follow them."""
     size = 13 + 2 * joints + QUADRATURES
-    bodies, effort = np.zeros((1 + joints, WORKSPACE)), np.zeros(joints)
-    return Scratch(np.zeros((STAGES, size)), np.zeros(size), np.zeros(size), bodies, effort, np.zeros(1))
+    bodies, effort = np.zeros((1 + joints + followers, WORKSPACE)), np.zeros(joints)
+    coupled = coupled_memory(joints, followers)
+    return Scratch(np.zeros((STAGES, size)), np.zeros(size), np.zeros(size), bodies, effort, np.zeros(1), coupled)
 
 
 @inner
@@ -129,6 +135,15 @@ def slope(robot: RobotArrays, drive: Drive, k: int, t: float, y: Vector, dy: Vec
     omega = (y[10 + n], y[11 + n], y[12 + n])
     power = joint_efforts(robot, drive, t, y, memory.effort)
     torque = base_torque(drive, k, t, omega)
-    forward_dynamics(robot, y, get3(drive.segments, k, FORCE), torque, memory.effort, memory.bodies, dy)
+    force = get3(drive.segments, k, FORCE)
+    if drive.disturbance.shape[0]:
+        push, twist = disturbance_wrench(drive.disturbance, y)
+        force, torque = add(force, push), add(torque, twist)
+    if robot.coupling.shape[0]:
+        coupled_dynamics(robot, y, force, torque, memory.effort, memory.coupled, dy)
+    else:
+        forward_dynamics(robot, y, force, torque, memory.effort, memory.bodies, dy)
     kinematics(y, n, dy)
     quadratures(drive, k, power, y, dy)
+    if drive.disturbance.shape[0]:
+        count_disturbance(drive.disturbance, n, y, dy)

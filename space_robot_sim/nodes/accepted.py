@@ -9,6 +9,7 @@ from space_robot_msgs_py.codec.codecs import Accepted, AcceptedCodec
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import ACCEPTED_COMMAND
+from space_robot_sim.nodes.turns import Turns
 
 # More than a simulator may be ahead of its recorder.
 KEPT = 512
@@ -24,22 +25,27 @@ class AcceptedCommands:
     Args:
         node: the node to publish on.
         always: in a paced run.
+        turns: of a run with two controllers; None: there is one.
     """
 
-    def __init__(self, node: GraphNode, *, always: bool = False) -> None:
+    def __init__(self, node: GraphNode, *, always: bool = False, turns: Turns | None = None) -> None:
         self._publisher = node.publisher(ACCEPTED_COMMAND)
         # Of the handle itself: it is asked at every tick.
         self._count = self._publisher.handle.get_subscription_count
         self._codec = AcceptedCodec()
         self._kept: OrderedDict[int, tuple[Command | None, Sequence[bytes]]] = OrderedDict()
-        self._listened = always
+        self._listened, self._turns = always, turns
 
     def clear(self) -> None:
         """Forget all of a run that is over."""
         self._kept.clear()
+        if self._turns is not None:
+            self._turns.restart()
 
     def add(self, command: Command, parts: Sequence[bytes]) -> None:
         """Keep a command and its messages."""
+        if self._turns is not None:
+            self._turns.answer()
         self._keep(command.stamp, command, parts)
 
     def add_none(self, stamp: int) -> None:
@@ -48,10 +54,14 @@ class AcceptedCommands:
 
     def pass_by(self, stamp: int) -> None:
         """Paced: the period that began at this stamp [ns] is over without its command, which may still come."""
+        if self._turns is not None:
+            self._turns.pass_by()
         self._publish(Accepted(stamp, None))
 
     def add_too_late(self, command: Command, parts: Sequence[bytes]) -> None:
         """Paced: a command that can act no more, of which a replay has to know that its state was answered."""
+        if self._turns is not None:
+            self._turns.answer()
         self._remember(command.stamp, command, parts)
         self._publish(Accepted(command.stamp, command, too_late=True))
 
@@ -84,4 +94,6 @@ class AcceptedCommands:
             self._kept.popitem(last=False)
 
     def _publish(self, said: Accepted) -> None:
+        if self._turns is not None:
+            said = said._replace(acting=self._turns.acting, answered=self._turns.answered)
         self._publisher.publish(self._codec.encode(said))

@@ -9,6 +9,7 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.subscription import Subscription
 
+from space_robot_msgs_py.codec.accepted import CONTROLLERS
 from space_robot_msgs_py.codec.codecs import CommandCodec
 from space_robot_msgs_py.codec.sender_mark import UNMARKED, SenderMark
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -17,6 +18,7 @@ from space_robot_msgs_py.joiner import StampJoiner
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import Topic
 from space_robot_sim.nodes.accepted import AcceptedCommands
+from space_robot_sim.nodes.turns import Turns
 
 # After a stall all wrenches may come before the first effort.
 JOIN_CAPACITY = 1024
@@ -45,6 +47,7 @@ class CommandPort:
         keep_late: for so many periods an answer that is late may still be run where nothing newer is there (paced
             runs); 0: none is.
         period: control period [ns].
+        turns: of a run with two controllers, of which the one whose turn it is not answers nothing; None: there is one.
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class CommandPort:
         *,
         period: int,
         keep_late: int = 0,
+        turns: Turns | None = None,
     ) -> None:
         self._node, self._on_answer = node, on_answer
         self._period, self._keep_late = period, keep_late * period
@@ -67,7 +71,8 @@ class CommandPort:
             SECOND_CHANCE, self._hold, clock=Clock(clock_type=ClockType.STEADY_TIME), autostart=False
         )
         self.counts: Counter[str] = Counter()
-        self.accepted = AcceptedCommands(node, always=keep_late > 0)
+        self._turns = turns
+        self.accepted = AcceptedCommands(node, always=keep_late > 0, turns=turns)
         self.restart()
         self.readers = [self._listen_part(index, topic) for index, topic in enumerate(self._codec.topics)]
 
@@ -137,10 +142,17 @@ class CommandPort:
     def _sender(self, mark: bytes) -> str:
         """Full name of the node with this mark; nothing: there is none."""
         if mark not in self._senders and mark != UNMARKED and len(self._senders) < MAX_SENDERS:
-            self._senders[mark] = self._node.publishers_by_mark(self._codec.topics[0]).get(mark, "")
+            found = self._node.publishers_by_mark(self._codec.topics[0]).get(mark, "")
+            if self._turns is not None and found.rpartition("/")[2] not in CONTROLLERS:
+                # A node is discovered before its name, and by its name it is one of two controllers.
+                return found
+            self._senders[mark] = found
         return self._senders.get(mark, "")
 
     def _in_time(self, stamp: int, topic: Topic, raw: bytes, mark: bytes) -> bool:
+        if self._turns is not None and not self._turns.admits(self._sender(mark)):
+            self._refuse("out of turn", topic, f"it is the turn of {self._turns.acting}", mark)
+            return False
         if stamp == self._awaited and not self.answered:
             return True
         if stamp > self._awaited:

@@ -205,8 +205,11 @@ class RecorderNode(GraphNode):
         """Paced: what the simulator tells of a period, of which it tells in order."""
         if not said.too_late:
             self._parts.decide(said.stamp)
-        if said.command is not None and said.stamp < self._parts.next:
-            self.left_out.add_answer(said.stamp)
+        if said.command is not None:
+            if said.acting:
+                self._log.note_acting(said.stamp, said.acting)
+            if said.stamp < self._parts.next:
+                self.left_out.add_answer(said.stamp)
 
     def _on_description(self, raw: bytes) -> None:
         if self._urdf is not None:

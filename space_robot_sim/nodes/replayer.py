@@ -14,11 +14,11 @@ from space_robot_msgs_py.codec.codecs import encode_clock, encode_string
 from space_robot_msgs_py.errors import CommandError, SilenceError
 from space_robot_msgs_py.interfaces import Command
 from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.nodes.offers import Offers
 from space_robot_msgs_py.qos import OF_A_STATE, qos_of_states
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
 from space_robot_msgs_py.topics import CLOCK, ROBOT_DESCRIPTION, RUN_BEGIN, TABLE, Topic
 from space_robot_sim.nodes.command_port import CommandPort
-from space_robot_sim.nodes.offers import Offers
 from space_robot_sim.nodes.pacing import Pacer
 from space_robot_sim.nodes.services import RunServices, StepGate
 

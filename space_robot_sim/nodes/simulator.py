@@ -22,6 +22,7 @@ from space_robot_msgs_py.errors import CommandError
 from space_robot_msgs_py.interfaces import BrakedPlant, Command, Plant, PlantSample
 from space_robot_msgs_py.nodes.base import publish_all
 from space_robot_msgs_py.nodes.managed import ManagedNode
+from space_robot_msgs_py.nodes.offers import Offers
 from space_robot_msgs_py.qos import qos_of_states
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
 from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
@@ -29,11 +30,11 @@ from space_robot_sim.nodes.brake_port import BrakePort
 from space_robot_sim.nodes.command_port import REPEATED, CommandPort
 from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
-from space_robot_sim.nodes.offers import Offers
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.services import STEP_COUNT, RunServices, StepGate, checked_count, step_count_row
 from space_robot_sim.nodes.tick_parts import MAX_LATE
 from space_robot_sim.nodes.transforms import TransformPublisher
+from space_robot_sim.nodes.turns import Turns
 
 
 class SimulatorNode(ManagedNode):
@@ -63,6 +64,8 @@ class SimulatorNode(ManagedNode):
         ahead: so many states the run may be ahead of its recorder in lock-step.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         step_count: so many periods ``~/step`` grants, a dynamic parameter.
+        failover: periods without an answer after which the other one of two controllers takes over (paced); 0: there is
+            one controller.
         options: see ManagedNode.
     """
 
@@ -81,6 +84,7 @@ class SimulatorNode(ManagedNode):
         ahead: int = 0,
         patience: float = 60.0,
         step_count: int = 1,
+        failover: int = 0,
         name: str = "simulator",
         **options: Any,
     ) -> None:
@@ -102,7 +106,8 @@ class SimulatorNode(ManagedNode):
         self._begin_publisher = self.publisher(RUN_BEGIN)
         self._credit = Credit(self)
         keep_late = 0 if realtime is None else MAX_LATE
-        self.commands = CommandPort(self, joint_names, self._on_answer, period=period, keep_late=keep_late)
+        limits: dict[str, Any] = {"keep_late": keep_late, "turns": Turns(failover) if failover else None}
+        self.commands = CommandPort(self, joint_names, self._on_answer, period=period, **limits)
         if recorded:
             self.listen(RECORDER_CREDIT, self._on_credit)
         self._brakes = BrakePort(self, self._on_answer, lossless=realtime is None) if braked else None

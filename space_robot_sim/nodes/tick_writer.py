@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection
 from typing import Any, Protocol
 
 from space_robot_msgs_py.codec.codecs import decode_events, encode_events, is_empty
-from space_robot_msgs_py.events import LATE, PUBLISHERS, ControllerEvent
+from space_robot_msgs_py.events import ACTING, LATE, PUBLISHERS, ControllerEvent
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, Topic
 from space_robot_sim.nodes.left_out import LeftOut
 from space_robot_sim.nodes.tick_parts import Parts
@@ -45,6 +45,7 @@ class TickLog:
         self._open_writer, self._period, self._optional, self._paced = open_writer, period, optional, paced
         self.number, self._writer = 0, open_writer(0)
         self.left_out = LeftOut(period)
+        self._acted, self._acting = "", dict[int, str]()
 
     def write_description(self, urdf: str) -> None:
         """The robot, first of all."""
@@ -53,6 +54,8 @@ class TickLog:
     def write(self, stamp: int, parts: Parts, publishers: list[dict[str, Any]]) -> None:
         """A tick, with the news of who publishes."""
         news = [ControllerEvent(stamp, PUBLISHERS, content) for content in publishers]
+        for at in sorted(at for at in self._acting if at <= stamp):
+            news.append(ControllerEvent(stamp, ACTING, {"node": self._acting.pop(at)}))
         if late := self.left_out.answered():
             news.append(ControllerEvent(stamp, LATE, {"stamps": late}))
         if news:
@@ -65,6 +68,11 @@ class TickLog:
         if self._paced:
             self.left_out.look(stamp, parts)
 
+    def note_acting(self, stamp: int, node: str) -> None:
+        """Of two controllers this one answered the state of this stamp [ns]; an event where another one did before."""
+        if node != self._acted:
+            self._acted = self._acting[stamp] = node
+
     def close(self, reason: str) -> None:
         """No more ticks."""
         self._writer.close(reason)
@@ -74,3 +82,4 @@ class TickLog:
         self.number += 1
         self._writer = self._open_writer(self.number)
         self.left_out = LeftOut(self._period)
+        self._acted, self._acting = "", {}

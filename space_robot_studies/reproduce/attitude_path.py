@@ -65,8 +65,3 @@ def path_ratios(attitude: Matrix, goal: Vector) -> Vector:
         raise NonFiniteError("no path to judge", key="attitude", value=geodesic, accepted="a start away from the goal")
     steps = [float(np.linalg.norm(log(relative(a, b)))) for a, b in pairwise(attitude)]
     return np.concatenate(([0.0], np.cumsum(steps))) / geodesic
-
-
-def path_ratio(attitude: Matrix, goal: Vector) -> float:
-    """Return the length of the whole path over that of the geodesic [-], see ``path_ratios``."""
-    return float(path_ratios(attitude, goal)[-1])

@@ -131,12 +131,17 @@ def load_tuning(name_or_path: StrPath, *, laws: tuple[str, ...] = (), budget: in
             accepted = nearest(law, tuple(tuning.laws)) or ", ".join(tuning.laws)
             raise SpecError("is not in this file", key="--law", value=law, accepted=accepted)
     chosen = {name: law for name, law in tuning.laws.items() if not laws or name in laws}
+    return resolve_tuning(tuning.model_copy(update={"laws": chosen}), path)
+
+
+def resolve_tuning(tuning: Tuning, path: Path) -> Tuning:
+    """A tuning that stands in this file with its experiment in it; see ``load_tuning``."""
     campaign = with_files(
         Campaign(experiment=tuning.experiment, set=tuning.set, disperse=tuning.disperse, vary=tuning.vary, runs=1),
         path.parent,
     )
     whole = {"experiment": resolved(campaign, path).experiment, "set": {}, "disperse": campaign.disperse}
-    return tuning.model_copy(update=whole | {"vary": campaign.vary, "laws": _located(chosen, path.parent)})
+    return tuning.model_copy(update=whole | {"vary": campaign.vary, "laws": _located(tuning.laws, path.parent)})
 
 
 def _located(laws: dict[str, TunedLaw], folder: Path) -> dict[str, TunedLaw]:

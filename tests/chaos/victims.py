@@ -106,7 +106,7 @@ def kill_one(kill: Kill) -> Remains:
     place = kill.place
     temporary = place.with_name("temporary")
     temporary.mkdir()
-    with _temporary_folder(temporary), _observer() as newest:
+    with temporary_folder(temporary), observer() as newest:
         seconds, decided, orphans, said = (_kill_parent if kill.victim == PARENT else _kill_child)(kill)
         reached = newest()
     reader = LogReader(place)
@@ -139,7 +139,7 @@ def _kill_child(kill: Kill) -> tuple[float, float | None, int, str | None]:
         patch.setattr(processes, "_NodeProcesses", TimedProcesses)
         said = processes.run_processes(composition, kill.place, realtime=kill.realtime, hooks=Hooks(on_tick))
     ended = monotonic()
-    return ended - killed[0], decided[0] - killed[0], len(_await_gone(children.values())), said
+    return ended - killed[0], decided[0] - killed[0], len(await_gone(children.values())), said
 
 
 def _kill_parent(kill: Kill) -> tuple[float, float | None, int, str | None]:
@@ -157,7 +157,7 @@ def _kill_parent(kill: Kill) -> tuple[float, float | None, int, str | None]:
         parent.kill()
         killed = monotonic()
         parent.wait()
-        orphans = _await_gone(children.values())
+        orphans = await_gone(children.values())
         ended = monotonic()
     for pid in orphans:
         with contextlib.suppress(ProcessLookupError):
@@ -177,7 +177,7 @@ def nodes_of(parent: int) -> dict[str, int]:
     return found
 
 
-def _await_gone(pids: Iterable[int]) -> list[int]:
+def await_gone(pids: Iterable[int]) -> list[int]:
     """Wait until the processes are gone; those that are not."""
     left, deadline = list(pids), monotonic() + DEADLINE
     while (left := [pid for pid in left if _lives(pid)]) and monotonic() < deadline:
@@ -194,7 +194,7 @@ def _lives(pid: int) -> bool:
 
 
 @contextlib.contextmanager
-def _temporary_folder(folder: Path) -> Iterator[None]:
+def temporary_folder(folder: Path) -> Iterator[None]:
     """Where this process and those it starts put temporary files."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TMPDIR", str(folder))
@@ -203,7 +203,7 @@ def _temporary_folder(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _observer() -> Iterator[Callable[[], int]]:
+def observer() -> Iterator[Callable[[], int]]:
     """On a domain for the run, which listens to the states; gives the newest stamp that was out [ns]."""
     with reserved_domain() as domain, local_context(domain) as context, pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain))

@@ -112,7 +112,7 @@ READ_LOGS: dict[str, tuple[tuple[str, ...], ...]] = {
     # Of the directory of a campaign: see the test of those.
     "run": (),
 }
-RUN_WHAT_IS_TYPED = {"campaign", "check", "compare", "list", "new", "reproduce", "robot", "schema", "tune"}
+RUN_WHAT_IS_TYPED = {"benchmark", "campaign", "check", "compare", "list", "new", "reproduce", "robot", "schema", "tune"}
 
 
 def test_every_command_is_known_here() -> None:

@@ -87,7 +87,8 @@ def test_a_check_is_a_test_case(check: Check, end: str, kind: str | None, words:
     """A failure, skipped where it is not judged, an error of the end, with the reason; the requirement in its name."""
     (case,) = check_cases([check], end)
     assert (case.kind, words in case.message) == (kind, True)
-    assert f"({check.requirement})" in case.name or not check.requirement
+    requirement = f" ({check.requirement})" if check.requirement else ""
+    assert case.name == f"{check.name}{requirement}"
 
 
 EXPECT: dict[str, Any] = {

@@ -54,3 +54,16 @@ def test_the_momentum_is_that_of_the_plant(wheels: dict[str, object], size: floa
         )
         law.apply(command.u, PERIOD / 1e9)
         sample = plant.step(command)
+
+
+def test_the_torque_of_turning_wheels_is_added() -> None:
+    """A base that turns at omega needs omega x h beside all else; a robot without wheels needs nothing."""
+    wheels, u = WheelMomentum(robot_with({"initial_momentum": (0.5, -1.0, 1.5)}, "per_axis")), np.arange(10.0)
+    omega = np.array((0.3, 0.2, -0.1))
+    wheels.add_torque(u, omega)
+    added = u - np.arange(10.0)
+    np.testing.assert_allclose(added, [0, 0, 0, *np.cross(omega, (0.5, -1.0, 1.5)), 0, 0, 0, 0], atol=1e-15)
+    without = WheelMomentum(load_robot("servicer"))
+    assert not without.present
+    without.add_torque(u, omega)
+    np.testing.assert_array_equal(u - np.arange(10.0), added)

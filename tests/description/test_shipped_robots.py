@@ -128,13 +128,15 @@ def test_cylinder_robots_have_the_tabulated_thrusters(name: str) -> None:
 
 @pytest.mark.parametrize("name", shipped("robots"))
 def test_shipped_robots_fit_the_contract(name: str) -> None:
-    """Every shipped robot is a free-flyer with one coordinate per joint, no gravity, and can be drawn."""
+    """A shipped robot is a free-flyer with a coordinate per joint that follows none, no gravity, and can be drawn."""
     robot = load_robot(name)
     model = robot.model
-    assert (model.nq, model.nv, model.njoints) == (7 + robot.n, 6 + robot.n, 2 + robot.n)
+    assert (model.nq, model.nv, model.njoints) == (7 + robot.n, 6 + robot.n, 2 + robot.n + len(robot.mimics))
     assert model.joints[1].shortname() == "JointModelFreeFlyer"
-    assert all((joint.nq, joint.nv) == (1, 1) for joint in list(model.joints)[2:])
-    assert tuple(model.names)[2:] == robot.joint_names
+    moved = dict(zip(tuple(model.names)[2:], list(model.joints)[2:], strict=True))
+    sizes = {name: (0, 0) if name in robot.mimics else (1, 1) for name in moved}
+    assert {name: (joint.nq, joint.nv) for name, joint in moved.items()} == sizes
+    assert tuple(name for name in moved if name not in robot.mimics) == robot.joint_names
     assert not np.any(model.gravity.vector)
     assert model.existFrame(robot.tool_frame)
     assert ET.fromstring(robot.urdf).find("link[@name='base_link']/visual") is not None

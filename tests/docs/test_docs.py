@@ -44,7 +44,7 @@ KINDS = {
     "supervision": "supervision",
 }
 # Pages whose commands need those before them.
-IN_ORDER = ("campaigns.md", "compare.md", "replay.md", "tuning.md", "view.md")
+IN_ORDER = ("benchmark.md", "campaigns.md", "compare.md", "replay.md", "tuning.md", "view.md")
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -127,6 +127,22 @@ def test_commands_of_the_tuning_page_work_in_their_order(tmp_path: Path, monkeyp
     assert len(lines) == 3
     for line, more in zip(lines, ("", "--out runs/law", ""), strict=True):
         assert exit_code(f"{line.replace('--budget 40', '--budget 2')} --workers 1 {more}", monkeypatch) == 0, line
+
+
+def test_commands_of_the_benchmark_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A short part, a law of the user's own, a part of the grid; a small set stands for the shipped one."""
+    task = {"experiment": "compare/mini", "set": {"duration": 2.0, "reference.duration": 1.0}}
+    rules = {"budget": 1, "draws": 1, "held_out": 1}
+    data = {"version": 1, "rules": rules, "vary": {"control_period": [1.0]}, "tasks": {"move_mini": task}}
+    short = {"tasks": ["move_mini"], "laws": ["pd"], "rules": rules}
+    laws = {"laws": {"pd": {"gains": {"bandwidth": 0.2}}}, "short": short}
+    (tmp_path / "small.yaml").write_text(dump_yaml(data | laws), encoding="utf-8")
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    lines = [line.replace("benchmark ", "benchmark small.yaml ") for line in shell_lines("benchmark.md") if line]
+    assert len(lines) == 3
+    for line, out in zip(lines, ("short", "law", "part"), strict=True):
+        assert exit_code(f"{line} --workers 1 --out out/{out}", monkeypatch) == 0, line
 
 
 def test_overrides_on_the_pages_work() -> None:

@@ -23,6 +23,7 @@ FOREIGN = {
     "SeedSequence": "NumPy",
     "pin.aba": "Pinocchio",
     "gymnasium.wrappers.RescaleAction": "gymnasium",
+    "highOrderAttitudeIntegration": "Basilisk",
     "layout.dim": "a field of std_msgs/Float64MultiArray",
     "cmeel.prefix/share": "where the wheels of Pinocchio and example-robot-data put data",
     "BAG_recovered": "named after the bag",

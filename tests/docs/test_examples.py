@@ -25,7 +25,7 @@ NEEDS = {
     "tune_gain.py": ("scipy", "bandwidth"),
 }
 # Run in other ways: a law by the page of laws, a node by its test.
-OTHERS = {"my_law.py", "rclpy_controller.py", "test_rclpy_controller.py"}
+OTHERS = {"compiled_law.py", "my_law.py", "rclpy_controller.py", "test_rclpy_controller.py"}
 
 
 def test_there_are_ten_examples_and_all_are_known() -> None:

@@ -17,13 +17,14 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
 
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.context import local_context, reserved_domain
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.processes import run_processes
-from space_robot_msgs_py.topics import BASE_ODOM, JOINT_COMMAND
+from space_robot_msgs_py.topics import BASE_ODOM, JOINT_COMMAND, REFERENCE_BASE, REFERENCE_JOINTS
 from tests.support.commanded import ALONE, efforts, end
 from tests.support.diagnostics import heard
 from tests.support.follow import DEADLINE
@@ -54,11 +55,36 @@ class Plain(Node):  # type: ignore[misc]
         self.joints.publish(command)
 
 
-def commands_alone(place: Path, *, later: float, prepare: Callable[[Plain], None] = lambda plain: None) -> None:
+class Joining(Plain):
+    """It waits for the reference of a state, too, which was published before it came; again with the default queue."""
+
+    def __init__(self, joint_names: tuple[str, ...], **options: Any) -> None:
+        self.parts: dict[int, set[str]] = {}
+        super().__init__(joint_names, **options)
+        self.create_subscription(Odometry, REFERENCE_BASE.name, lambda m: self.join(REFERENCE_BASE.name, m), 10)
+        self.create_subscription(
+            JointTrajectory, REFERENCE_JOINTS.name, lambda m: self.join(REFERENCE_JOINTS.name, m), 10
+        )
+
+    def answer(self, odom: Any) -> None:
+        """A state is one of three parts."""
+        self.join(BASE_ODOM.name, odom)
+
+    def join(self, name: str, message: Any) -> None:
+        """Answer once all three have come."""
+        parts = self.parts.setdefault(message.header.stamp.sec * 10**9 + message.header.stamp.nanosec, set())
+        parts.add(name)
+        if len(parts) == 3:
+            super().answer(message)
+
+
+def commands_alone(
+    place: Path, *, later: float, kind: type[Plain] = Plain, prepare: Callable[[Plain], None] = lambda plain: None
+) -> None:
     """A plain node that comes so many seconds later answers every state of a run: each answer acts and is recorded."""
     with running_graph(place, "duration=5.0", roles=ALONE) as robot:
         robot.spin_for(later)
-        plain = Plain(robot.composition.joint_names, context=robot.context)
+        plain = kind(robot.composition.joint_names, context=robot.context)
         prepare(plain)
         robot.executor.add_node(plain)
         end(robot)
@@ -73,23 +99,24 @@ def test_it_commands_in_lock_step(tmp_path: Path) -> None:
     commands_alone(tmp_path / "run", later=0.3)
 
 
-def test_one_that_takes_the_place_of_another_gets_the_state_that_waits(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", [Plain, Joining])
+def test_one_that_takes_the_place_of_another_gets_what_waits(kind: type[Plain], tmp_path: Path) -> None:
     """A controller leaves in mid-run without an answer; a plain node that comes then goes on with the same state."""
-    with running_graph(tmp_path / "run", "duration=5.0") as robot:
+    with running_graph(tmp_path / "run", "duration=10.0") as robot:
         robot.simulator.pause(True)
-        robot.await_answer()
+        left = robot.await_answer()
         robot.executor.remove_node(robot.nodes["controller"])
         robot.nodes.pop("controller").destroy_node()
         robot.simulator.pause(False)
         robot.spin_for(0.3)
-        plain = Plain(robot.composition.joint_names, context=robot.context)
+        plain = kind(robot.composition.joint_names, context=robot.context)
         robot.executor.add_node(plain)
         end(robot)
         plain.destroy_node()
     found = efforts(tmp_path / "run")
-    assert len(found) == 21
-    assert found[0] != EFFORT
-    assert found[1:] == [EFFORT] * 20
+    assert len(found) == 41
+    assert EFFORT not in found[: left + 1]
+    assert found[left + 1 :] == [EFFORT] * (40 - left)
 
 
 @pytest.mark.parametrize("realtime", [None, 20.0])
@@ -129,6 +156,27 @@ def test_it_commands_from_another_process(
         assert len(found) == 81
     else:
         assert len(found) > 40
+
+
+def test_one_that_is_late_gets_the_references_that_wait(tmp_path: Path) -> None:
+    """In lock-step: those of the state that waits and of all that follow, though they were published before it came."""
+    commands_alone(tmp_path / "run", later=0.3, kind=Joining)
+
+
+def test_one_that_is_late_misses_no_reference_of_a_clock(tmp_path: Path) -> None:
+    """Paced: it gets the reference of each state, but for a few before it was noticed; sixteen were out."""
+    with running_graph(tmp_path / "run", "duration=12.0", "plant.hold=zero", roles=ALONE, realtime=4.0) as robot:
+        robot.spin_for(0.3)
+        joining = Joining(robot.composition.joint_names, context=robot.context)
+        robot.executor.add_node(joining)
+        end(robot)
+        parts = joining.parts
+        joining.destroy_node()
+    heard_states = [stamp for stamp, names in parts.items() if BASE_ODOM.name in names]
+    assert len(heard_states) > 20
+    lacking = [stamp for stamp in heard_states if len(parts[stamp]) < 3]
+    assert lacking == heard_states[: len(lacking)]
+    assert len(lacking) < 8
 
 
 class Renaming:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
-from time import monotonic
 
 import pytest
 
@@ -14,44 +11,13 @@ from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.processes import run_processes
-from space_robot_msgs_py.codec.codecs import TelemetryCodec
-from space_robot_msgs_py.errors import InputFileError, LogError
-from space_robot_msgs_py.log.reader import LogReader
-from space_robot_msgs_py.topics import JOINT_COMMAND, PLANT_TELEMETRY, WRENCH_COMMAND
 from tests.support.busy import burning_core
-from tests.support.follow import DEADLINE
-from tests.support.replays import replayed
+from tests.support.late import ENOUGH, OVERRIDES, Enough, tally
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
-PERIOD = 250_000_000
-OVERRIDES = ("duration=25000.0", "controller={law: ntsmc}", "plant.hold=zero")
-ENOUGH = 40
 
 
-def acted(log: Path) -> Iterator[tuple[int, int]]:
-    """Stamp of every state in a log and of the command that acted before it; -1: none."""
-    codec = TelemetryCodec(PLANT_TELEMETRY)
-    for stamp, parts in LogReader(log).stamps():
-        yield stamp, int(codec.decode((parts[PLANT_TELEMETRY.name],))["command_stamp"][0])
-
-
-class Enough:
-    """Ends a run when enough commands have acted in it."""
-
-    def __init__(self, log: Path) -> None:
-        self._log, self._looked, self._deadline = log, 0.0, monotonic() + DEADLINE
-
-    def __call__(self) -> str | None:
-        now = monotonic()
-        assert now < self._deadline, "the controller never came to act"
-        if now - self._looked < 1.0:
-            return None
-        self._looked = now
-        with suppress(InputFileError, LogError):
-            return "enough" if sum(command >= 0 for _, command in acted(self._log)) > ENOUGH else None
-        return None
-
-
+# How often it holds, `python -m tests.chaos.late` counts.
 @pytest.mark.parametrize(
     ("realtime", "late"),
     [
@@ -67,10 +33,6 @@ def test_nothing_that_acted_is_missing_in_the_log(realtime: float, late: float, 
     with burning_core():
         reason = run_processes(composition, place, realtime=realtime, hooks=hooks, late={"controller": late})
     assert reason == "enough"
-    found = list(acted(place))
-    assert [stamp for stamp, _ in found] == [PERIOD * tick for tick in range(len(found))]
-    rows = LogReader(place).stamps()
-    written = {stamp for stamp, parts in rows if {WRENCH_COMMAND.name, JOINT_COMMAND.name} <= parts.keys()}
-    assert {command for _, command in found} - {-1} <= written
-    result = replayed(place)
-    assert result.equal, [(one.against, one.first, one.remarks) for one in result.outcomes]
+    found = tally(place)
+    assert found.acted > ENOUGH
+    assert (found.gaps, found.missing, found.equal) == (0, 0, {"controller": True, "plant": True})

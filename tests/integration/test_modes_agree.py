@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import traceback
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +14,7 @@ from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.hooks import Hooks
 from space_robot_bringup.modes.run import Mode, run_experiment
 from space_robot_bringup.replay.replay import ReplayOptions, replay
+from space_robot_description.load import load_robot
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.topics import WHEEL_MOMENTUM
 from tests.support.busy import burning_core
@@ -21,9 +24,18 @@ from space_robot_bringup.modes.processes import run_processes
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
-# Noise, delay, a topic that few runs have, a payload the law does not know and a motor lag: everything that could tell
-# the modes apart.
+
+def rubbing() -> dict[str, Any]:
+    """The robot mini with friction in its joints."""
+    robot = dict(load_robot("mini").resolved)
+    joints = {**robot["actuators"]["joints"], "viscous": 0.1, "coulomb": 0.02}
+    return robot | {"actuators": {**robot["actuators"], "joints": joints}}
+
+
+# Noise, delay, a topic that few runs have, and friction that the law knows: everything that could tell the modes apart.
 ROUGH = (
+    f"robot={json.dumps(rubbing())}",
+    "nominal.friction=true",
     "plant.delay_periods=1",
     "plant.sensors.angular_velocity={noise: 1.0e-5}",
     "plant.sensors.joint_position={noise: 1.0e-5, quantisation: 1.0e-6}",

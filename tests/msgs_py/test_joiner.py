@@ -60,16 +60,6 @@ def test_a_full_joiner_still_completes():
     assert joiner.dropped == 0
 
 
-def test_drop_before_gives_up_older_stamps_only():
-    """Stamps before the given one are gone, it and later ones complete."""
-    joiner = StampJoiner(2, 9)
-    for stamp in (3, 1, 2):
-        joiner.add(0, stamp, stamp)
-    assert joiner.drop_before(2) == 1
-    assert joiner.add(1, 2, 2) == (2, 2)
-    assert joiner.add(1, 1, 1) is None
-
-
 def test_clear_lets_time_start_again():
     """After clear a stamp that was given out is given out again; without it, it is not."""
     joiner = StampJoiner(1, 5)
@@ -94,8 +84,9 @@ def test_a_joiner_of_one_part_gives_every_arrival():
 
 @pytest.mark.parametrize(("parts", "capacity"), [(0, 1), (1, 0), (-1, 5)])
 def test_a_joiner_without_parts_or_room_is_refused(parts, capacity):
-    """A joiner without parts or room is a SpecError."""
-    with pytest.raises(SpecError):
+    """A joiner without parts or room is a SpecError that says what it was to be."""
+    said = rf"parts, capacity: nothing to join; got \({parts}, {capacity}\); accepted: 1 or more"
+    with pytest.raises(SpecError, match=said):
         StampJoiner(parts, capacity)
 
 
@@ -109,3 +100,50 @@ def test_what_waits_for_later_stamps_may_give_way_once():
     joiner.add(0, 2, "new 2")
     joiner.add(0, 2, "newer 2")
     assert [joiner.add(1, stamp, "x") for stamp in (0, 1, 2)] == [("old 0", "x"), ("old 1", "x"), ("new 2", "x")]
+
+
+def test_what_gave_way_to_nothing_does_so_no_more_when_its_stamp_is_complete() -> None:
+    """Of a stamp that comes again, as after a restart, the first item counts as ever."""
+    joiner = StampJoiner(2, 8, once=False)
+    joiner.add(0, 3, "old")
+    joiner.let_give_way(0, 2)
+    assert joiner.add(1, 3, "x") == ("old", "x")
+    joiner.add(0, 3, "first")
+    joiner.add(0, 3, "second")
+    assert joiner.add(1, 3, "y") == ("first", "y")
+
+
+def test_a_choice_is_made_of_two_items_of_one_part() -> None:
+    """It is given the part, what is there and what comes; what it keeps may be replaced again."""
+    asked = []
+
+    def choose(part: int, there: str, new: str) -> str:
+        asked.append((part, there, new))
+        return max(there, new)
+
+    joiner = StampJoiner(2, 8, choose=choose)
+    for item in ("b", "a", "c"):
+        assert joiner.add(1, 5, item) is None
+    assert joiner.add(0, 5, "x") == ("x", "c")
+    assert asked == [(1, "b", "a"), (1, "b", "c")]
+
+
+def test_the_last_stamps_given_out_are_remembered() -> None:
+    """As many as there is room for: a duplicate of an older one is taken for new."""
+    joiner = StampJoiner(1, 3)
+    for stamp in range(4):
+        assert joiner.add(0, stamp, stamp) == (stamp,)
+    assert [joiner.add(0, stamp, "again") for stamp in (1, 2, 3)] == [None] * 3
+    assert joiner.add(0, 0, "again") == ("again",)
+
+
+def test_a_clear_forgets_what_is_under_way_and_what_gives_way() -> None:
+    """What waits is gone and not counted as dropped."""
+    joiner = StampJoiner(2, 3)
+    joiner.add(0, 1, "old")
+    joiner.let_give_way(0, 0)
+    joiner.clear()
+    assert (len(joiner), joiner.dropped) == (0, 0)
+    joiner.add(0, 1, "first")
+    joiner.add(0, 1, "second")
+    assert joiner.add(1, 1, "x") == ("first", "x")

@@ -67,9 +67,9 @@ def test_files_are_read_up_to_their_limit(tmp_path: Path) -> None:
         with pytest.raises(InputFileError, match=said):
             read_text(tmp_path / name, YAML_BYTES)
     for name in ("pipe.yaml", "zero.yaml"):
-        with pytest.raises(SpaceRobotError):
+        with pytest.raises(SpaceRobotError, match="no such robot file"):
             load_robot(tmp_path / name)
-        with pytest.raises(SpaceRobotError):
+        with pytest.raises(SpaceRobotError, match="regular"):
             parse_yaml(tmp_path / name)
 
 

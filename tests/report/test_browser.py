@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from html import escape
 from io import BytesIO
 from pathlib import Path
@@ -26,8 +26,15 @@ from space_robot_bringup.experiment.experiment import experiment_from, experimen
 from space_robot_bringup.modes.run import run_experiment  # noqa: E402
 from space_robot_description.load import load_robot  # noqa: E402
 from space_robot_description.validation import parse_yaml  # noqa: E402
+from space_robot_msgs_py.codec.codecs import SupervisionCodec, encode_statuses  # noqa: E402
+from space_robot_msgs_py.events import ERROR, DiagnosticEvent  # noqa: E402
+from space_robot_msgs_py.interfaces import Supervision  # noqa: E402
 from space_robot_msgs_py.log.reader import LogReader  # noqa: E402
+from space_robot_msgs_py.topics import EVENTS, PLANT_TELEMETRY, SUPERVISOR_MODE, TABLE  # noqa: E402
+from space_robot_report.live.brief import Brief  # noqa: E402
+from space_robot_report.live.feed import Feed  # noqa: E402
 from space_robot_report.pages.log_report import write_log_report  # noqa: E402
+from space_robot_report.viewer.live import LiveViewer  # noqa: E402
 from tests.support.hostile import with_experiment, with_header  # noqa: E402
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -227,3 +234,28 @@ def test_the_viewer_plays_and_ends_cleanly(bag: Path, browser: Any) -> None:
         child.send_signal(signal.SIGINT)
         out, err = child.communicate(timeout=DEADLINE)
     assert (child.returncode, out, err) == (0, "", "")
+
+
+def test_a_run_is_shown_while_it_goes_on_and_its_texts_are_text(hostile: Path, browser: Any) -> None:
+    """Time and robot move with the messages; names, modes and events run no script and name no file that is read."""
+    log = LogReader(hostile)
+    header = log.header
+    brief = Brief(HOSTILE, HOSTILE, header.joint_names, header.urdf, ("events", "supervisor/mode"), view=18232)
+    feed = Feed(brief)
+    event = DiagnosticEvent(0, ERROR, HOSTILE, HOSTILE, HOSTILE, ((HOSTILE, HOSTILE),))
+    mode = SupervisionCodec().encode(Supervision(0, HOSTILE, "law", "reference", 0, -1))
+    said = [(EVENTS.name, encode_statuses([event])), (SUPERVISOR_MODE.name, mode)]
+    said += [(name, data) for name, _, data in log.messages()]
+    with closing(LiveViewer(brief)) as shown:
+        browser.goto(shown.address)
+        browser.get_by_text("waits for the first state").wait_for()
+        for name, data in said:
+            topic = next(one for one in TABLE if one.name == name)
+            for message in feed.read(topic, data) if topic in feed.topics else ():
+                shown.say(*message)
+            if name == PLANT_TELEMETRY.name:
+                shown.draw(feed)
+        browser.get_by_text("time 1.00 s").wait_for()
+        browser.get_by_text(HOSTILE).first.wait_for()
+        assert browser.locator("img[src=x]").count() == 0
+        assert browser.evaluate("window.ran") is None

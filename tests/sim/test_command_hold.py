@@ -56,3 +56,25 @@ def test_a_reset_forgets_and_a_wrong_size_is_refused():
     assert line.take(None).stamp == 5
     line.reset()
     assert line.take(None).stamp == NO_COMMAND
+
+
+@pytest.mark.parametrize("brakes", [True, False])
+def test_brakes_close_when_there_was_no_command_for_too_long(brakes):
+    """At the first period behind those of the last command; a command or a reset opens them and counts from zero."""
+    hold = CommandHold(2, delay_periods=0, hold=HoldFor(last_for=2, brakes=brakes))
+    for _ in range(2):
+        for begin in (lambda: hold.take(Command(5, np.ones(6), np.ones(2))), hold.reset):
+            begin()
+            assert hold.brakes is False
+            closed = []
+            for _ in range(4):
+                hold.take(None)
+                closed.append(hold.brakes)
+            assert closed == [False, False, brakes, brakes]
+
+
+def test_a_command_of_another_size_is_named():
+    """With how many joints it is for, and how many there are."""
+    hold = CommandHold(2, delay_periods=0, hold="zero")
+    with pytest.raises(CommandError, match=r"command\.effort: wrong size; got 3; accepted: 2"):
+        hold.take(Command(5, np.zeros(6), np.zeros(3)))

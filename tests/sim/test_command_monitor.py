@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from space_robot_description.actuation import command_limit
-from space_robot_msgs_py.events import WARN
+from space_robot_msgs_py.events import WARN, DiagnosticEvent
 from space_robot_msgs_py.interfaces import Command
 from space_robot_sim.command_monitor import CLIPPED, MISSING, REFUSED, CommandMonitor
 from space_robot_sim.plant import InitialState, SimulatedRobot
@@ -65,6 +65,28 @@ def test_a_command_that_jumps_is_refused_or_clipped() -> None:
     np.testing.assert_allclose(taken.effort, [7.0, 1.2])
     (event,) = clipping.events(9)
     assert (event.name, event.message, dict(event.values)["channel"]) == (CLIPPED, "rate", "shoulder")
+
+
+def test_the_channel_that_is_furthest_beyond_is_named() -> None:
+    """By how much it is beyond, not by its size; of a change by the distance from the command before."""
+    line = monitor(limit={"factor": 1.5})
+    assert line.check(command(0, 16.0, 0.0, torque=5.0)) is None
+    values = (
+        ("stamp", "0"),
+        ("channel", "torque_x"),
+        ("commanded", "5.0"),
+        ("accepted", "-3.0 to 3.0"),
+        ("count", "1"),
+    )
+    assert line.events(1) == (DiagnosticEvent(1, WARN, REFUSED, "limit", "", values),)
+    line = monitor(rate={"factor": 0.1})
+    line.check(command(0, 8.0, -4.0))
+    assert line.check(command(1, 6.0, 0.0)) is None
+    values = (("stamp", "1"), ("channel", "elbow"), ("commanded", "0.0"), ("accepted", "-4.5 to -3.5"), ("count", "1"))
+    assert line.events(2) == (DiagnosticEvent(2, WARN, REFUSED, "rate", "", values),)
+    line.check(None)
+    missing = DiagnosticEvent(3, WARN, MISSING, "no usable command", "", (("count", "1"),))
+    assert line.events(3) == (missing,)
 
 
 def test_a_clipped_command_is_as_much_as_passes() -> None:

@@ -9,10 +9,11 @@ import pinocchio as pin
 import pytest
 
 from space_robot_msgs_py.errors import CommandError, IntegrationError, SpecError
-from space_robot_msgs_py.interfaces import Command, PlantSample, blocks_equal
+from space_robot_msgs_py.interfaces import Command, PlantSample
 from space_robot_sim.plant import InitialState, SimulatedRobot
 from space_robot_sim.spec import IntegratorSpec, SensorSpec
 from tests.support.robots import LivelyMotion, arm_model, random_state, robot_of
+from tests.support.values import blocks_equal
 
 PERIOD = 100_000_000
 

@@ -116,12 +116,15 @@ def test_seed_decides_and_reset_repeats() -> None:
     assert first == [suite.measure(truth(k)).q.tobytes() for k in range(4)]
 
 
-def test_delay_shows_older_truth() -> None:
-    """A delayed channel shows the truth of that many periods ago, before that the first one."""
-    suite = sensors(position={"delay": 0.2})
-    shown = [suite.measure(truth(k)).q[:3] for k in range(5)]
-    for k, age in enumerate((0, 1, 2, 2, 2)):
-        np.testing.assert_array_equal(shown[k], truth(k - age).q[:3])
+@pytest.mark.parametrize("name", CHANNELS)
+def test_delay_shows_older_truth(name: str) -> None:
+    """A delayed channel shows the truth of that many periods ago, before that the first one; all others the present."""
+    suite = sensors(**{name: {"delay": 0.2}})
+    for _ in range(2):
+        for k, age in enumerate((0, 1, 2, 2, 2)):
+            for part, shown in parts(suite.measure(truth(k))).items():
+                np.testing.assert_allclose(shown, parts(truth(k - age if part == name else k))[part], atol=1e-15)
+        suite.reset()
 
 
 def test_quantised_readings_are_multiples() -> None:
@@ -133,12 +136,26 @@ def test_quantised_readings_are_multiples() -> None:
     assert read[2] == 0.25 * round(state.q[9] / 0.25)
 
 
+@pytest.mark.parametrize("name", [name for name in CHANNELS if name != "attitude"])
+def test_every_channel_but_the_attitude_rounds_its_numbers(name: str) -> None:
+    """To the nearest multiple of its quantum, after bias and noise."""
+    suite, state = sensors(**{name: {"quantisation": 0.25, "bias": 0.125}}), truth(3)
+    np.testing.assert_allclose(parts(suite.measure(state))[name], 0.25 * np.round((parts(state)[name] + 0.125) / 0.25))
+
+
 def test_bad_channels_are_refused() -> None:
     """A delay off the grid, a vector of the wrong length and a negative deviation are errors by name."""
     with pytest.raises(SpecError, match=r"plant.sensors.position.delay: .*got 0.15; accepted: multiples of 0.1 s"):
         sensors(position={"delay": 0.15})
     with pytest.raises(SpecError, match=r"plant.sensors.joint_velocity.bias: wrong number"):
         sensors(joint_velocity={"bias": [1.0, 2.0]})
+    sensors(wheel_momentum={"delay": 1000.0})
+    for name in CHANNELS:
+        said = rf"plant\.sensors\.{name}\.delay: too old a reading; got 1000\.1; accepted: at most 10000 .*, 1000 s"
+        with pytest.raises(SpecError, match=said):
+            sensors(**{name: {"delay": 1000.1}})
+    with pytest.raises(SpecError, match=r"wheel_momentum\.noise: wrong number of values; got 2; .* one number, or 3"):
+        sensors(wheel_momentum={"noise": [1.0, 2.0]})
     with pytest.raises(ValidationError, match="must not be negative"):
         sensors(position={"noise": -1.0})
     with pytest.raises(ValidationError, match="Extra inputs"):

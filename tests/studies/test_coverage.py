@@ -44,10 +44,11 @@ def test_what_is_lost_is_said_with_its_reason() -> None:
     assert "- `joint_free` with `pd`: a joint beyond its limit, the base moves (1)" in said
 
 
-def test_every_kind_that_the_robot_can_have_is_in_the_campaign() -> None:
-    """All but those of thrusters, each under its own name, with a key of its own for the draws."""
-    faults: Any = chosen(1, ()).vary["faults"]
-    assert set(faults) == {kind for kind in KINDS if not kind.startswith("thruster")}
+@pytest.mark.parametrize(("robot", "none"), [("mini", "thruster"), ("servicer", "wheel")])
+def test_every_kind_that_the_robot_can_have_is_in_the_campaign(robot: str, none: str) -> None:
+    """All but those of thrusters or wheels, each under its own name, with a key of its own for the draws."""
+    faults: Any = chosen(1, (), robot).vary["faults"]
+    assert set(faults) == {kind for kind in KINDS if not kind.startswith(none)}
     assert all(kind == fault["kind"] for kind, (fault,) in faults.items())
 
 
@@ -73,7 +74,9 @@ SAVED = {"joint_runaway": "computed_torque", "joint_offset": "computed_torque", 
 def test_supervision_saves_what_is_lost_without_it() -> None:
     """Brakes stop a joint before its end, and another law answers for one that has learned what cannot be."""
     campaign = chosen(1, tuple(SAVED))
-    for case in (make_case(campaign, index) for index in range(campaign.cases)):
-        if case.labels["controller"] == SAVED[case.labels["faults"]]:
-            row = case.columns() | run_case(case.data, "slice", "none").columns
-            assert (outcome(row) == "lost") is (case.labels["supervision"] == "without"), row
+    cases = [make_case(campaign, index) for index in range(campaign.cases)]
+    judged = [case for case in cases if case.labels["controller"] == SAVED[case.labels["faults"]]]
+    assert len(judged) == 2 * len(SAVED)
+    for case in judged:
+        row = case.columns() | run_case(case.data, "slice", "none").columns
+        assert (outcome(row) == "lost") is (case.labels["supervision"] == "without"), row

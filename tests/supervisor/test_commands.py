@@ -11,7 +11,7 @@ from space_robot_description.actuation import command_limit
 from space_robot_description.load import load_robot
 from space_robot_description.validation import validate
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, RobotState, Supervision
+from space_robot_msgs_py.interfaces import NANOSECONDS, Acknowledgement, Reference, RobotState, Supervision
 from space_robot_supervisor.supervisor import Supervisor
 from space_robot_supervisor.table import SupervisionTable
 from space_robot_supervisor.values import Snapshot
@@ -96,6 +96,35 @@ def test_a_command_has_priority_over_monitors() -> None:
     assert look(one, 1, rate=2.0).mode == "HOLD"
 
 
+def test_what_changes_no_mode_keeps_no_monitor_from_looking() -> None:
+    """A refused command or step, or a sequence that starts, costs no tick of the monitors; one that acted does."""
+    one = supervisor()
+    one.order("nominal")
+    assert said(look(one, 0, rate=2.0)) == [("command", "refused"), ("fast", "fires"), ("mode", "NOMINAL -> SAFE")]
+    for step in ({"at": 0.0, "do": "nominal"}, {"at": 0.0, "start": "recover"}):
+        assert look(supervisor(schedule=[step], sequences={"recover": RECOVER}), 0, rate=2.0).mode == "SAFE"
+    everywhere = [{"name": "everywhere", "value": "base.rate", "above": 1.0}]
+    one = supervisor(monitors=everywhere)
+    assert (one.order("hold").accepted, one.order("hold").accepted) == (True, False)
+    events = [("command", "accepted"), ("mode", "NOMINAL -> HOLD"), ("command", "refused")]
+    assert said(look(one, 0, rate=2.0)) == events
+    schedule = [{"at": 0.0, "do": "hold"}, {"at": 0.0, "do": "hold"}]
+    one = supervisor(monitors=everywhere, schedule=schedule)
+    assert said(look(one, 0, rate=2.0)) == events
+    assert said(look(one, 1, rate=2.0)) == [("everywhere", "fires")]
+    one = supervisor(monitors=everywhere, schedule=[{"at": 0.0, "do": "hold"}])
+    one.order("hold")
+    assert said(look(one, 0, rate=2.0)) == events
+
+
+def test_only_commands_of_the_ground_lead_to_modes() -> None:
+    """A mode of another name is reached by monitors alone."""
+    odd = {"name": "odd", "value": "base.rate", "above": 9.0, "to": "PARK", "in": ["NOMINAL"], "severity": "high"}
+    one = supervisor(modes=MODES | {"PARK": {}}, monitors=[odd])
+    assert not one.order("park").accepted
+    assert one.order("hold") == Acknowledgement(True, "from NOMINAL to HOLD at the next tick")
+
+
 def test_a_schedule_acts_at_the_first_tick_at_or_after_its_time() -> None:
     """As a command of the ground would, by the schedule."""
     one = supervisor(schedule=[{"at": 1.5, "do": "hold"}, {"at": 3.0, "do": "nominal"}])
@@ -134,12 +163,22 @@ def test_housekeeping_has_its_own_period() -> None:
     one = supervisor(housekeeping={"period": 2.0, "values": ["base.rate", "command.saturation"]})
     found = [look(one, second, rate=2.0).housekeeping for second in range(4)]
     assert [summary is None for summary in found] == [False, True, False, True]
+    one.order("hold")
+    look(one, 5)
+    one.order("hold")
+    last = look(one, 6).housekeeping
+    # A command and a mode at 5 s, a command that was refused at 6 s.
+    assert last is not None
+    assert last["events"].item() == 5.0
     first, third = found[0], found[2]
     assert first is not None
     assert third is not None
     assert first.labels == ("mode", "events", "base.rate", "command.saturation")
     assert first.sizes == (1, 1, 1, 0)
     assert third["mode"].item() == list(MODES).index("SAFE")
+    assert (first.stamp, third.stamp) == (0, 2 * NANOSECONDS)
+    # What fired at tick 0 and the mode it led to; nothing since.
+    assert (first["events"].item(), third["events"].item()) == (2.0, 2.0)
     assert third["base.rate"].item() == 2.0
 
 

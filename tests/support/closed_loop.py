@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_control.laws import Law
+from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, ReferenceSource, RobotState, Vector
 from tests.support.robots import random_state
@@ -43,3 +44,10 @@ def closed_loop(
 def off(found: Any, expected: Any) -> float:
     """Largest difference over the largest number."""
     return float(np.abs(np.asarray(found) - expected).max() / np.abs(expected).max())
+
+
+def _acceleration(model: Any, data: Any, q: Vector, v: Vector, u: Vector) -> Vector:
+    """``pin.aba``, which has no place for joints that follow others."""
+    if model.nv == model.njoints + 4:
+        return np.array(pin.aba(model, data, q, v, u))
+    return np.linalg.solve(mass_matrix(model, q), u - pin.nonLinearEffects(model, data, q, v))

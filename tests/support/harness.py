@@ -93,6 +93,7 @@ def running_graph(
     roles: tuple[str, ...] = ("recorder", "guidance", "controller", "simulator"),
     realtime: float | None = None,
     services: bool = False,
+    failover: int = 0,
 ) -> Iterator[RunningGraph]:
     """A composed graph with the given roles in one private context; the recorder's log is closed at the end.
 
@@ -103,7 +104,8 @@ def running_graph(
         options: dict[str, Any] = {"context": context, **({} if services else LIGHT)}
         mode = "processes" if services else "graph"
         nodes = {
-            role: make_node(role, composition, directory, realtime=realtime, mode=mode, **options) for role in roles
+            role: make_node(role, composition, directory, realtime=realtime, mode=mode, failover=failover, **options)
+            for role in roles
         }
         bring_up(nodes.values())
         stranger = GraphNode("stranger", **options)

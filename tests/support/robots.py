@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from space_robot_description.mimic import Mimic
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Actuators
 
@@ -72,7 +73,13 @@ def robot_of(model: Any, actuators: dict[str, Any] | None = None, *, floating: b
         "base_torque": {"kind": "ideal", "limit": (1e6,) * 3},
         "base_force": None if floating else {"kind": "thrusters", "limit": (1e6,) * 3},
     }
-    names = tuple(model.names[2:])
+    moved = list(zip(list(model.joints)[2:], list(model.names)[2:], strict=True))
+    names = tuple(name for joint, name in moved if joint.nv)
+    mimics = {
+        name: Mimic(names[joint.idx_v - 6], joint.extract().scaling, joint.extract().offset)
+        for joint, name in moved
+        if not joint.nv
+    }
     full = np.full(len(names), 1e9)
     actuators_spec = Actuators.model_validate(spec | (actuators or {}))
     effort = actuators_spec.joints.effort
@@ -81,7 +88,7 @@ def robot_of(model: Any, actuators: dict[str, Any] | None = None, *, floating: b
         urdf="",
         model=model,
         joint_names=names,
-        body_names=("base_link", *(f"{name}_body" for name in names)),
+        body_names=("base_link", *(f"{name}_body" for _, name in moved)),
         base_mode="free_floating" if floating else "free_flying",
         actuators=actuators_spec,
         effort_limit=np.full(len(names), effort) if isinstance(effort, float) else np.array(effort),
@@ -89,6 +96,7 @@ def robot_of(model: Any, actuators: dict[str, Any] | None = None, *, floating: b
         joint_upper=limits.get("upper", full),
         joint_rate_limit=full,
         home=np.zeros(len(names)),
+        mimics=mimics,
     )
 
 

@@ -106,6 +106,11 @@ def _tick(stamp, n, rng):
     return Tick(sample, reference, output, supervision)
 
 
+def blocks_equal(first, second):
+    """Whether two sequences of arrays hold the same bits."""
+    return len(first) == len(second) and all(a.tobytes() == b.tobytes() for a, b in zip(first, second, strict=True))
+
+
 def bits(value):
     """Everything in a value, as something that is equal only for equal bits."""
     if isinstance(value, np.ndarray):

@@ -1,16 +1,32 @@
-"""The metrics of a run by formulas over whole arrays: what ``measure`` gives bit for bit, however a run is cut."""
+"""The metrics of a run that is in memory: as they are measured tick by tick, and by formulas over whole arrays."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_bringup.judge.measure import MOVED, PLANT_BLOCKS, SETTLING_BAND, STILL
+from space_robot_bringup.judge.measure import (
+    MOVED,
+    PLANT_BLOCKS,
+    SETTLING_BAND,
+    STILL,
+    Measurement,
+    tick_blocks,
+)
 from space_robot_bringup.judge.metrics import Axis, Matrix, RunMetrics, axis_names, deviations
 from space_robot_msgs_py.interfaces import NANOSECONDS, Tick, Vector
 from space_robot_msgs_py.log.arrays import stack_telemetry
+
+
+def measure(ticks: Iterable[Tick], joint_names: Sequence[str], **options: Any) -> RunMetrics:
+    """The metrics of ticks as ``Measurement`` takes them, with its options."""
+    measurement = Measurement(joint_names, **options)
+    for block in tick_blocks(ticks):
+        measurement.add(*block)
+    return measurement.result()
 
 
 def measure_whole(

@@ -29,6 +29,7 @@ class Body(NamedTuple):
         floating: 1: no force acts on its base.
         estimated: 1: the integration estimates its error.
         delay: periods by which a command acts late.
+        reach: (2, 6+n) what of a command acts unchanged: its size, its change; beyond, the loop goes on.
     """
 
     memory: PlantMemory
@@ -38,6 +39,7 @@ class Body(NamedTuple):
     floating: int
     estimated: int
     delay: int
+    reach: npt.NDArray[np.float64]
 
 
 class Known(NamedTuple):
@@ -89,6 +91,8 @@ def run_ticks(
     for tick in range(begin, end):
         acted = tick - 1 - body.delay
         if tick > 0:
+            if not _passes(body.reach, records.command, tick - 1):
+                return tick
             command = records.command[acted] if acted >= 0 else known.zero
             if advance(plant, command, seconds, False) != DONE:
                 return tick
@@ -146,6 +150,20 @@ def _show(body: Body, acted: int, period: int, records: Records, row: Vector) ->
         at += 1
     if body.estimated:
         row[at] = memory.scratch.error[0]
+        at += 1
+    # Brakes close for want of a command, and here there is one every period.
+    for i in range(at, row.shape[0]):
+        row[i] = 0.0
+
+
+@inner
+def _passes(reach: Vector, commands: Vector, tick: int) -> bool:
+    """True if the plant takes a command unchanged."""
+    fits = True
+    for i in range(commands.shape[1]):
+        fits = fits and not abs(commands[tick, i]) > reach[0, i]
+        fits = fits and (tick == 0 or not abs(commands[tick, i] - commands[tick - 1, i]) > reach[1, i])
+    return fits
 
 
 @inner

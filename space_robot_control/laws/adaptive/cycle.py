@@ -57,7 +57,7 @@ class Cycle:
             source=_SOURCES[gains.rls.translation] if free else VELOCITY,
             noise=noise,
         )
-        self.workspace = workspace_for(n, first)
+        self.workspace = workspace_for(n, first, len(robot.mimics))
         # Of the rotations telemetry has roll first, the coordinates have yaw first.
         self.order = np.array([0, 1, 2, 5, 4, 3, *range(6, 6 + n)])[first:] - first
         self._tau = np.zeros(6 + n)
@@ -108,7 +108,7 @@ class Cycle:
         """Get the machine code for the types of every call: read-only values of the data flow, own memory."""
         q, v = np.zeros(7 + n), np.zeros(6 + n)
         state, desired = RobotState(0, q, v, np.zeros(n), np.zeros(3)), Reference(0, q, v, v)
-        pi_hat, omega, wheels = np.zeros(10 * (1 + n)), state.v[3:6], np.zeros(3)
+        pi_hat, omega, wheels = np.zeros(self.workspace.Y.shape[1]), state.v[3:6], np.zeros(3)
         start = PeriodStart(v, v, omega, wheels, v[:6])
         measured = state.q, state.v, state.effort, state.base_acceleration
         self._regression = bound(regression, self.tree, self.rule, pi_hat, start, v, v, *measured, self.workspace, v)

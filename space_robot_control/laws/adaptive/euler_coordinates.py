@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from space_robot_control.laws.adaptive.kernel.euler import PITCH, ROLL, YAW, coordinates, second_derivative, short_way
+from space_robot_control.laws.adaptive.kernel.euler import PITCH, ROLL, YAW, coordinates
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
-__all__ = ["PITCH", "ROLL", "YAW", "difference", "euler_acceleration", "euler_state"]
+__all__ = ["PITCH", "ROLL", "YAW", "euler_state"]
 
 
 def euler_state(state: RobotState | Reference) -> tuple[Vector, Vector]:
@@ -20,17 +20,3 @@ def euler_state(state: RobotState | Reference) -> tuple[Vector, Vector]:
     x, dx = np.empty(state.v.size), np.empty(state.v.size)
     coordinates(state.q, state.v, x, dx)
     return x, dx
-
-
-def euler_acceleration(reference: Reference, x: Vector, dx: Vector) -> Vector:
-    """Return x'' (6+n,) of a reference whose x and x' are known [m/s2, rad/s2]."""
-    ddx = np.empty(x.size)
-    second_derivative(reference.q, reference.v, reference.a, x, dx, ddx)
-    return ddx
-
-
-def difference(to: Vector, start: Vector) -> Vector:
-    """Return to - start (6+n,) in Euler coordinates, yaw and roll the short way round."""
-    out: Vector = to - start
-    out[YAW], out[ROLL] = short_way(float(out[YAW])), short_way(float(out[ROLL]))
-    return out

@@ -133,8 +133,8 @@ class Adaptive(Law):
         return AdaptiveReview(self.robot, self.regressor, self.gains, self.control_period).along(path)
 
     def compiled(self) -> CompiledLaw | None:
-        """The law without projection of its estimate, which is Python."""
-        if self.gains.consistency != "none":
+        """The law without projection of its estimate, which is Python, and for a joint per body."""
+        if self.gains.consistency != "none" or self.robot.mimics:
             return None
         limits, update = CommandLimits(self.robot), self._update
         found = compiled_adaptive(

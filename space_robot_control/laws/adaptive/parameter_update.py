@@ -15,6 +15,7 @@ from space_robot_control.laws.adaptive.kernel.workspace import PeriodStart
 from space_robot_control.laws.adaptive.least_squares import RecursiveLeastSquares
 from space_robot_control.laws.adaptive.update_rule import update_rule
 from space_robot_control.laws.base import Blocks
+from space_robot_control.nominal_friction import NominalFriction
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import RobotState, Vector
@@ -24,9 +25,9 @@ class ParameterUpdate:
     """pi_hat of one run, starting at the nominal parameters, or with ``consistency`` at the nearest that can exist.
 
     RLS takes one row per actuated degree of freedom and period: state at the middle of the period, x'' from differenced
-    rates, effort as measured, base torque by the readings of the wheels, or as commanded where there are none. A period
-    whose base command is beyond the nominal actuators is left out, because what acted is not known; of wheels that are
-    measured it is, and saturated periods teach as others do.
+    rates, effort as measured less the friction that is known, base torque by the readings of the wheels, or as
+    commanded where there are none. A period whose base command is beyond the nominal actuators is left out, because
+    what acted is not known; of wheels that are measured it is, and saturated periods teach as others do.
 
     Args:
         robot: the NOMINAL robot.
@@ -43,7 +44,7 @@ class ParameterUpdate:
 
     def __init__(self, robot: Robot, prior: Vector, cycle: Cycle, gains: AdaptiveGains) -> None:
         self._cycle, self._gains = cycle, gains
-        self._limits = CommandLimits(robot)
+        self._limits, self._friction = CommandLimits(robot), NominalFriction(robot, known=robot.knows_friction)
         rule = update_rule(gains, cycle.rule.period, prior)
         self._noise = cycle.rule.noise
         self._innovation = np.zeros(self._noise.size)
@@ -82,7 +83,8 @@ class ParameterUpdate:
         if not self._limits.base_fits(unknown):
             self._innovation = np.zeros(self._noise.size)
             return
-        Y, tau = self._cycle.regression(self.estimate, start, x, dx, state)
+        acting = self._friction.without(state, start.dx[6:])
+        Y, tau = self._cycle.regression(self.estimate, start, x, dx, acting)
         if self._filter is not None:
             Y, tau = self._filter.update(Y, tau)
         estimate, innovation = self._rls.correct(self.estimate, Y, tau)

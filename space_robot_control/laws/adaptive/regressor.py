@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pinocchio as pin
 
 from space_robot_description.inertia import inertial_parameters
+from space_robot_description.kernel.coupling import COORDINATE, MULTIPLIER, OFFSET, coupling_of
+from space_robot_description.kernel.joints import joint_axes
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Vector
 
@@ -16,10 +20,11 @@ _MASSLESS = 3  # of the four joints that carry the base the last one has its bod
 class Regressor:
     """Y with Y pi = generalised force, for the coordinates of ``euler_coordinates``; owns its work space.
 
-    pi = (10 (1+n),) is [m, m c(3), Ixx, Ixy, Iyy, Ixz, Iyz, Izz] body after body, base first, the inertia about the
+    pi = (10 (1+N),) is [m, m c(3), Ixx, Ixy, Iyy, Ixz, Iyz, Izz] body after body, base first, the inertia about the
     joint origin in the body's joint frame (Pinocchio's order). Rows are [force inertial(3), torques about yaw, pitch,
     roll, joint efforts(n)]. With the base translation kept as three rows the equations are exactly linear in pi;
-    neither position nor velocity of the base enters, only its inertial acceleration.
+    neither position nor velocity of the base enters, only its inertial acceleration. Joints that follow others
+    have no row: Y = G^T Y_N of all N joints, whose rates are G times those of the n coordinates.
 
     Polarisation gives the regressor of Slotine and Li from that of inverse dynamics, which is quadratic in velocity:
     Y(x, x', x_r', x_r'') = 1/4 [ Yp(x, x' + x_r', 2 x_r'') - Yp(x, x' - x_r', -2 x_r'') ]. It holds where the equations
@@ -29,7 +34,7 @@ class Regressor:
         robot: geometry, and the parameters to start from.
 
     Attributes:
-        parameters: (10 (1+n),) of the robot, read only.
+        parameters: (10 (1+N),) of the robot, read only.
 
     Reference: Liu, Teng, Jin, Aerospace 10, 679, 2023, (29), (38), appendix A; Slotine and Li, IJRR 6(3), 1987.
     """
@@ -37,6 +42,8 @@ class Regressor:
     def __init__(self, robot: Robot) -> None:
         self._model = _euler_model(robot)
         self._data = self._model.createData()
+        self._coupling = coupling_of(robot.model)
+        self._spread = _spread(self._coupling, robot.n)
         self._still = np.zeros(6 + robot.n)
         self._lower = np.tril_indices(6 + robot.n, -1)
         self.n = robot.n
@@ -44,7 +51,7 @@ class Regressor:
         self.parameters.flags.writeable = False
 
     def inverse_dynamics(self, x: Vector, dx: Vector, ddx: Vector) -> Vector:
-        """Return Yp (6+n, 10 (1+n)) with Yp pi = M x'' + C x'.
+        """Return Yp (6+n, 10 (1+N)) with Yp pi = M x'' + C x'.
 
         Args:
             x: (6+n,) Euler coordinates [m, rad].
@@ -54,7 +61,7 @@ class Regressor:
         return self._rows(x, dx, ddx).copy()
 
     def slotine_li(self, x: Vector, dx: Vector, dx_r: Vector, ddx_r: Vector) -> Vector:
-        """Return Y (6+n, 10 (1+n)) with Y pi = M x_r'' + C(x, x') x_r', C the Christoffel one.
+        """Return Y (6+n, 10 (1+N)) with Y pi = M x_r'' + C(x, x') x_r', C the Christoffel one.
 
         Args:
             x: (6+n,) Euler coordinates [m, rad].
@@ -69,7 +76,7 @@ class Regressor:
         return out
 
     def inertia(self, x: Vector, a: Vector) -> Vector:
-        """Return the regressor (6+n, 10 (1+n)) of M(x) a, without velocity."""
+        """Return the regressor (6+n, 10 (1+N)) of M(x) a, without velocity."""
         return self.inverse_dynamics(x, self._still, a)
 
     def mass_matrix(self, x: Vector) -> Vector:
@@ -78,6 +85,10 @@ class Regressor:
         Args:
             x: (6+n,) Euler coordinates [m, rad].
         """
+        if self._coupling.size:
+            upper = np.triu(pin.crba(self._model, self._data, self._joints(x)))
+            full: Vector = self._spread.T @ (upper + np.triu(upper, 1).T) @ self._spread
+            return full
         m = np.array(pin.crba(self._model, self._data, x))
         m[self._lower] = m.T[self._lower]
         return m
@@ -90,8 +101,25 @@ class Regressor:
 
     def _rows(self, x: Vector, dx: Vector, ddx: Vector) -> Vector:
         """A view of what Pinocchio overwrites at its next call."""
-        full: Vector = pin.computeJointTorqueRegressor(self._model, self._data, x, dx, ddx)
-        return full[:, _MASSLESS * PER_BODY :]
+        if self._coupling.size:
+            x, dx, ddx = self._joints(x), self._spread @ dx, self._spread @ ddx
+        full: Vector = pin.computeJointTorqueRegressor(self._model, self._data, x, dx, ddx)[:, _MASSLESS * PER_BODY :]
+        return self._spread.T @ full if self._coupling.size else full
+
+    def _joints(self, x: Vector) -> Vector:
+        """(6+N,) of all joints."""
+        out: Vector = self._spread @ x
+        out[6:] += self._coupling[:, OFFSET]
+        return out
+
+
+def _spread(coupling: Vector, n: int) -> Vector:
+    """G (6+N, 6+n): rates of all joints from those of the coordinates."""
+    out = np.zeros((6 + len(coupling), 6 + n))
+    out[:6, :6] = np.eye(6)
+    for joint, row in enumerate(coupling, start=6):
+        out[joint, 6 + int(row[COORDINATE])] = row[MULTIPLIER]
+    return out
 
 
 def _euler_model(robot: Robot) -> pin.Model:
@@ -108,6 +136,16 @@ def _euler_model(robot: Robot) -> pin.Model:
     model.appendBodyToJoint(base, source.inertias[1], here)
     for index in range(2, source.njoints):
         parent = source.parents[index] - 1 + base
-        added = model.addJoint(parent, source.joints[index], source.jointPlacements[index], source.names[index])
+        joint = source.joints[index]
+        if not joint.nv:
+            joint = _own_coordinate(source, index)
+        added = model.addJoint(parent, joint, source.jointPlacements[index], source.names[index])
         model.appendBodyToJoint(added, source.inertias[index], here)
     return model
+
+
+def _own_coordinate(model: Any, index: int) -> Any:
+    """A follower as a joint that follows none."""
+    axes, slides = joint_axes(model)
+    axis = axes[index - 2]
+    return pin.JointModelPrismaticUnaligned(axis) if slides[index - 2] else pin.JointModelRevoluteUnaligned(axis)

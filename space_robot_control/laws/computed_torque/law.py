@@ -83,7 +83,7 @@ class ComputedTorque(Law):
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
         self.model = NominalModel(robot)
-        self._memory, self._row = torque_memory(robot.n), _layout(robot.n)
+        self._memory, self._row = torque_memory(robot.n, len(robot.mimics)), _layout(robot.n)
         self._answer = Answering(answer, robot.n, self._row)
         self.retune(self.gains)
 

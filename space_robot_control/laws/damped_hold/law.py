@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
-
-from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.compiled import CompiledLaw, Layout
+from space_robot_control.laws.damped_hold.kernel.answer import HoldContext, answer, hold_work, keep
 from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.rates_to_zero import RatesToZero
-from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_control.tracking import ERROR_FIELDS
+from space_robot_description.kernel.context import context_of
 
 
 class DampedHold(RatesToZero):
@@ -38,20 +37,8 @@ class DampedHold(RatesToZero):
         "power": "v^T u, not positive [W]",
     }
 
-    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class."""
-        moved, largest = self._inertia(state.q)
-        rate = self.gains.rate / (1.0 + self.gains.rate * self.control_period * largest)
-        damping = np.zeros(6 + self.n)
-        damping[self._first :] = rate * moved
-        u = -damping * state.v
-        errors = tracking_errors(state, reference)
-        return u, {**error_blocks(errors), "damping": damping, "power": float(state.v @ u)}
-
-    def _inertia(self, q: Vector) -> tuple[Vector, float]:
-        """(m,) inertia that each degree of freedom moves, and lambda, at a configuration (7+n,)."""
-        inverse = np.linalg.inv(self._model.actuated_mass_matrix(q))
-        moved = 1.0 / np.diag(inverse)
-        root = np.sqrt(moved)
-        largest = np.linalg.eigvalsh(root[:, None] * inverse * root)[-1]
-        return moved, float(largest)
+    def form(self) -> CompiledLaw:
+        """See ``kernel/answer.py``."""
+        context = HoldContext(self.control_period, self.known, self.room, hold_work(self.actuated))
+        layout = Layout.of({**self.errors, "damping": 6 + self.n, "power": 1})
+        return CompiledLaw(answer, context_of(context, keep), layout)

@@ -6,13 +6,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from space_robot_control.command_limits import CommandLimits
-from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.compiled import CompiledLaw, Layout
+from space_robot_control.laws.detumble.kernel.answer import DetumbleContext, answer, keep
 from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.rates_to_zero import RatesToZero
-from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
-from space_robot_description.robot import Robot
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_control.tracking import ERROR_FIELDS
+from space_robot_description.kernel.context import context_of
 
 
 class Detumble(RatesToZero):
@@ -39,26 +38,8 @@ class Detumble(RatesToZero):
         "scale": "s, less than 1 where the actuators cannot give the command [-]",
     }
 
-    def __init__(self, robot: Robot, control_period: float, gains: RatesToZero.Gains | None = None) -> None:
-        super().__init__(robot, control_period, gains)
-        self._limits = CommandLimits(robot)
-        self._shape: Vector | None = None
-
-    def reset(self) -> None:
-        """Forget the shape of the arm."""
-        super().reset()
-        self._shape = None
-
-    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class."""
-        if self._shape is None:
-            self._shape = state.joints
-        offset, inertia = state.joints - self._shape, self._model.actuated_mass_matrix(state.q)
-        decay = self.gains.rate / (1.0 + self.gains.rate * self.control_period)
-        acceleration = -decay * state.v[self._first :]
-        acceleration[-self.n :] -= 0.25 * decay**2 * offset
-        u = np.zeros(6 + self.n)
-        u[self._first :] = inertia @ acceleration
-        scale = self._limits.common_scale(u)
-        errors = error_blocks(tracking_errors(state, reference))
-        return scale * u, {**errors, "joint_offset": offset, "scale": scale}
+    def form(self) -> CompiledLaw:
+        """See ``kernel/answer.py``."""
+        context = DetumbleContext(self.control_period, self.known, self.room, self.begun, np.zeros(self.n))
+        layout = Layout.of({**self.errors, "joint_offset": self.n, "scale": 1})
+        return CompiledLaw(answer, context_of(context, keep), layout)

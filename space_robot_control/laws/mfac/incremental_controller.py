@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
+from space_robot_control.kernel.answers import ANSWERED
+from space_robot_control.laws.mfac.kernel.increment import SINGULAR, IncrementRule, increment_memory, respond
 from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Vector
@@ -43,6 +45,10 @@ class IncrementalController:
         input_order: Lu.
         limit: (m,) largest |u|, may be infinite.
 
+    Attributes:
+        rule: the numbers, for kernels.
+        memory: what it remembers, for kernels.
+
     Raises:
         SpecError: the number of rho is not Ly + Lu.
 
@@ -59,29 +65,44 @@ class IncrementalController:
         if len(weights.rho) != output_order + input_order:
             accepted = f"{output_order + input_order} numbers, Ly + Lu"
             raise SpecError("wrong number of weights", key="rho", value=len(weights.rho), accepted=accepted)
-        self._weights, self._orders, self._limit = weights, (output_order, input_order), np.array(limit)
+        m, orders = len(limit), (output_order, input_order)
+        numbers = np.zeros((sum(orders), m)), np.zeros(m), np.zeros(1), np.array(limit, dtype=np.float64)
+        self.rule, self.memory = IncrementRule(*orders, *numbers), increment_memory(m, *orders)
+        self.set_weights(weights)
+
+    def begin(self, weights: Weights, limit: Vector) -> None:
+        """Forget the past and go on with other weights and limits (m,); the orders stay."""
+        self.set_weights(weights)
+        self.rule.limit[:] = limit
         self.reset()
 
     def reset(self) -> None:
         """Forget the past."""
-        zero, (ly, lu) = np.zeros(self._limit.size), self._orders
-        self._dy, self._du = deque([zero] * ly, maxlen=ly), deque([zero] * lu, maxlen=lu)
-        self._proportional, self._integral, self._command = zero, zero, zero
-        self.saturated = np.zeros(zero.size, dtype=bool)
+        memory = self.memory
+        for array in (memory.past, memory.proportional, memory.integral, memory.command, memory.saturated):
+            array[:] = 0
 
     def set_weights(self, weights: Weights) -> None:
         """Go on with other rho, kappa or control weight; the orders stay."""
-        self._weights = weights
+        for row, rho in zip(self.rule.rho, weights.rho, strict=True):
+            row[:] = rho
+        self.rule.share[:], self.rule.control[:] = 1.0 + np.asarray(weights.kappa), weights.control
 
     @property
     def command(self) -> Vector:
         """(m,) u(k), within the limits."""
-        return self._command
+        return self.memory.command.copy()
 
     @property
     def increment(self) -> Vector:
         """(m,) du(k), between commands within the limits."""
-        return self._du[0]
+        newest: Vector = self.memory.past[self.rule.outputs]
+        return newest.copy()
+
+    @property
+    def saturated(self) -> npt.NDArray[np.bool_]:
+        """(m,) True where a channel is at its limit."""
+        return self.memory.saturated
 
     def update(self, error: Vector, dy: Vector, gradient: PseudoGradient) -> Vector:
         """Return u(k) (m,).
@@ -94,39 +115,20 @@ class IncrementalController:
         Raises:
             ControlError: lambda + phi^T phi has no inverse, or the result is not finite.
         """
-        self._dy.appendleft(np.array(dy))
-        ly, rho = self._orders[0], self._weights.rho
-        past: Vector = np.zeros(error.size)
-        for i in range(ly):
-            past = past + np.multiply(rho[i], gradient.block(i) @ self._dy[i])
-        for i in range(1, self._orders[1]):
-            past = past + np.multiply(rho[ly + i], gradient.block(ly + i) @ self._du[i - 1])
-        step = self._solve(gradient.block(ly), gradient.least_gain, np.column_stack([rho[ly] * error, -past]))
-        self._accumulate(step[:, 0], step[:, 1])
-        return self._command
+        self.check(respond(self.rule, self.memory, gradient.memory, error, dy))
+        return self.command
 
-    def _solve(self, phi: Vector, least: float, change: Vector) -> Vector:
-        share = np.broadcast_to(1.0 + np.asarray(self._weights.kappa), self._limit.shape)
-        weighted = (phi.T * share) @ phi + self._weights.control * np.eye(self._limit.size)
-        if (smallest := float(np.linalg.svd(phi, compute_uv=False)[-1])) < least:
-            weighted += (least**2 - smallest**2) * np.eye(self._limit.size)
-        try:
-            step: Vector = np.array(np.linalg.solve(weighted, phi.T @ change))
-        except np.linalg.LinAlgError:
-            raise ControlError("lambda + phi^T phi has no inverse", key="phi", value=phi.tolist()) from None
-        if not np.isfinite(step).all():
-            raise ControlError("not a finite number", key="du", value=step.tolist())
-        return step
+    def check(self, status: int) -> None:
+        """Raise what a status of ``kernel.increment.respond`` says.
 
-    def _accumulate(self, integral: Vector, proportional: Vector) -> None:
-        self._proportional = self._proportional + proportional
-        desired = self._proportional + self._integral + integral
-        outside = np.abs(desired) > self._limit
-        frozen = outside & (np.sign(integral) == np.sign(desired))
-        self._integral = self._integral + np.where(frozen, 0.0, integral)
-        command = np.clip(self._proportional + self._integral, -self._limit, self._limit)
-        self._du.appendleft(command - self._command)
-        self._command, self.saturated = command, outside
+        Raises:
+            ControlError: as for ``update``.
+        """
+        if status == SINGULAR:
+            value = self.memory.phi.tolist()
+            raise ControlError("lambda + phi^T phi has no inverse", key="phi", value=value)
+        if status != ANSWERED:
+            raise ControlError("not a finite number", key="du", value=self.memory.step.T.tolist())
 
 
 def weights_of(

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from space_robot_control.channels import BASE, Channels
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.mfac.gains import MfacGains
+from space_robot_control.laws.mfac.identification import Identification
 from space_robot_control.laws.mfac.incremental_controller import IncrementalController, Weights, weights_of
-from space_robot_control.laws.mfac.initial_value import Pulses, Push, Response, ResponseFit
+from space_robot_control.laws.mfac.kernel import answer as kernel
+from space_robot_control.laws.mfac.kernel.answer import OWN, TICKS, MfacContext, loop_memory
 from space_robot_control.laws.mfac.mapping import Mapping, Scales
 from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
 from space_robot_control.laws.mfac.tuning import Tuning, adjusted, review, tuning
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.sensing import Sensing
-from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS, error_blocks
+from space_robot_description.kernel.cache import cached
+from space_robot_description.kernel.context import context_of
 from space_robot_description.robot import Robot
-from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
@@ -78,15 +82,27 @@ class ModelFree(Law):
         self._model, self._limit = NominalModel(robot), self.channels.limits()
         self._sensing = Sensing(self.channels, self.gains.filter, control_period)
         self._tuning = tuning(self.gains, self.channels, control_period)
-        initial, m = self.gains.initial, self.channels.size
-        self._fit = ResponseFit(control_period, m, diagonal=initial.source == "push")
-        ticks = max(1, round(initial.seconds / control_period))
-        size = self._limit * expand(initial.level, self.channels.names, "controller.gains.initial.level")
-        self._excitation: Push | Pulses | None = None
-        if initial.source != "nominal":
-            pulses = initial.source == "pulses"
-            self._excitation = Pulses(max(1, ticks // 4), size) if pulses else Push(ticks, size)
+        delay = robot.command_delay
+        self._identification = Identification(self.gains, self.channels, self._limit, control_period, delay)
+        self._make_kernels()
         self.reset()
+
+    @classmethod
+    def must_compile(cls) -> bool:
+        """True before the first model-free law on a machine."""
+        return not cached(Path(kernel.__file__), kernel.answer.__name__)
+
+    def _make_kernels(self) -> None:
+        """Estimator and controller in the units of the law, of a Phi(1) that ``_begin`` replaces."""
+        spec, orders, m = self.gains.estimator, (self.gains.output_order, self.gains.input_order), self.channels.size
+        first = Mapping(self.control_period, None, *orders).first(np.eye(m))
+        self._gradient = PseudoGradient(first, *orders, sigma=spec.sigma, beta=spec.beta, floor=spec.floor)
+        self._controller = IncrementalController(_weights(self.gains, self._tuning), *orders, self._limit)
+        self._loop, self.layout = loop_memory(m, self.robot.command_delay), _layout(self.n, m)
+        sensing, gradient, controller = self._sensing, self._gradient, self._controller
+        known = sensing.rule, sensing.memory, gradient.rule, gradient.memory, controller.rule, controller.memory
+        self._context = context_of(MfacContext(*known, self._loop), kernel.keep)
+        self._answer = Answering(kernel.answer, self.n, self.layout)
 
     def retune(self, gains: Gains) -> None:
         """Go on with another kappa or rho; Phi and the past stay."""
@@ -95,8 +111,7 @@ class ModelFree(Law):
                 "chosen during the run", key="controller.gains.adjust", value=True, accepted="false, to tune"
             )
         self._tuning = tuning(gains, self.channels, self.control_period)
-        if self._loop is not None:
-            self._loop.controller.set_weights(_weights(gains, self._tuning))
+        self._controller.set_weights(_weights(gains, self._tuning))
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Find where the sampled loop of each channel stands on the stability map; warn where it is unstable."""
@@ -107,148 +122,96 @@ class ModelFree(Law):
         """Forget the past, Phi included."""
         super().reset()
         self._sensing.reset()
-        self._fit.reset()
-        zero = np.zeros(self.channels.size)
-        self._start, self._moved, self._out, self._deviation = zero, zero, zero, zero
-        self._loop: _Loop | None = None
-        # Inputs that do not act yet, the oldest first.
-        self._waiting = deque([zero] * self.robot.command_delay)
-        self._tick = self._saturated = 0
+        self._identification.reset()
+        for array in self._loop:
+            array[:] = 0
+        self._loop.counts[OWN] = 1
+        # The one behind Phi(1); before there is one, that of the nominal robot at the first state.
+        self._response: Vector | None = None
+        self._begun = False
+
+    def compiled(self) -> CompiledLaw | None:
+        """The law with Phi(1) from the nominal robot, which is known at the first state."""
+        if self._identification.ticks or self.gains.adjust:
+            return None
+        return CompiledLaw(kernel.answer, self._context, self.layout, kernel.note, self._begin)
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class."""
-        errors = tracking_errors(state, reference)
-        self._sensing.update(state, reference, self.channels.errors(state, errors))
-        if self._tick == 0:
-            self._start, self._response = self._sensing.error, self.channels.response(self._model, state.q)
-        excitation = self._excitation
-        identifying = excitation is not None and self._tick < excitation.ticks
-        inputs = self._control() if excitation is None or not identifying else self._identify(excitation)
-        self._tick += 1
-        return self.channels.spread(inputs), {**error_blocks(errors), **self._blocks(identifying)}
+        """Return u and the telemetry listed at the class.
+
+        Raises:
+            ControlError: lambda + phi^T phi has no inverse, or the result is not finite.
+            SpecError: phi(1) has no inverse.
+        """
+        if not self._begun:
+            if self._loop.counts[TICKS] == 0:
+                self._start = self._first_error(state, reference)
+            if self._loop.counts[TICKS] < self._identification.ticks:
+                return self._identify(state, reference)
+            self._begin(state)
+        status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
+        self._controller.check(status)
+        return u, self.layout.blocks(row)
 
     def on_applied(self, command: Command, *, own: bool) -> None:
         """The estimator leaves out periods under another law's command."""
-        if self._loop is not None:
-            self._loop.own = own
-
-    def _identify(self, excitation: Push | Pulses) -> Vector:
-        self._moved = self._moved + self._sensing.moved_sample
-        inputs = excitation.at(self._tick, self._start)
-        self._waiting.append(inputs)
-        self._fit.add(self._moved, self._waiting.popleft())
-        self._out = self._lead_output(self._tuning.lead)
-        return inputs
-
-    def _control(self) -> Vector:
-        if self._loop is None:
-            self._loop = self._begin()
-        inputs = self._loop.update(self._sensing)
-        self._saturated += int(self._loop.controller.saturated.any())
-        self._out = self._loop.out
-        return inputs
-
-    def _begin(self) -> _Loop:
-        """Set Phi(1), and what depends on it."""
-        chosen = self._tuning
-        if self._excitation is not None:
-            self._response, self._deviation = _trusted(self._fit.solve(), self._response, self.gains.initial.trust)
-        self._response = self.gains.initial.scale * self._response
-        if self.gains.adjust:
-            chosen = adjusted(np.diag(self._response), self._limit, self._start, self.control_period)
-        delay = self.robot.command_delay
-        return _Loop(self.gains, self.channels, chosen, self._response, self._limit, self.control_period, delay)
-
-    def _lead_output(self, lead: Vector) -> Vector:
-        return self._sensing.error + (lead * self._sensing.rate if self.gains.form == "rate_augmented" else 0.0)
-
-    def _blocks(self, identifying: bool) -> Blocks:
-        m, loop = self.channels.size, self._loop
-        nothing = np.zeros(m)
-        return {
-            "output": self._out,
-            "pseudo_gradient": np.zeros(m * m) if loop is None else loop.gain().ravel(),
-            "innovation": nothing if loop is None else loop.gradient.innovation,
-            "resets": 0.0 if loop is None else float(loop.gradient.resets),
-            "gate_count": self._sensing.refused.sum(),
-            "saturated": nothing if loop is None else loop.controller.saturated.astype(np.float64),
-            "saturation_share": self._saturated / self._tick,
-            "identifying": float(identifying),
-            "initial_gain": np.diag(self._response),
-            "initial_deviation": self._deviation,
-        }
-
-
-class _Loop:
-    """Estimator and controller in the units of the law, once Phi(1) is known."""
-
-    def __init__(
-        self,
-        gains: MfacGains,
-        channels: Channels,
-        chosen: Tuning,
-        response: Vector,
-        limit: Vector,
-        period: float,
-        delay: int,
-    ) -> None:
-        lead = chosen.lead if gains.form == "rate_augmented" else None
-        mapping = Mapping(period, lead, gains.output_order, gains.input_order)
-        lengths = np.array([name in BASE[:3] for name in channels.names])
-        self._scales = (
-            Scales.printed(lengths, channels.size)
-            if gains.units == "printed"
-            else Scales.full_scale(mapping.gain(response), limit)
-        )
-        first, spec = self._scales.scaled(mapping.first(response), gains.output_order), gains.estimator
-        orders = gains.output_order, gains.input_order
-        self.gradient = PseudoGradient(first, *orders, sigma=spec.sigma, beta=spec.beta, floor=spec.floor)
-        self.controller = IncrementalController(_weights(gains, chosen), *orders, limit / self._scales.input)
-        self._lead, self._order = lead, gains.output_order
-        self.out, self._begun, self.own = np.zeros(channels.size), False, True
-        # Increments of the input that do not act yet, the oldest first.
-        self._waiting = deque([np.zeros(channels.size)] * delay)
-
-    def update(self, sensing: Sensing) -> Vector:
-        """(m,) inputs, SI."""
-        lead = np.zeros(self.out.size) if self._lead is None else self._lead
-        out = sensing.error + lead * sensing.rate
         if self._begun:
-            self._waiting.append(self.controller.increment)
-            acted = self._waiting.popleft()
-            own = self._scales.output * (sensing.moved + lead * sensing.sped)
-            if sensing.missing.any() or not self.own:
-                self.gradient.skip(acted)
-            else:
-                self.gradient.update(own, acted)
-        # The first increment counts from zero error: a run starts as if its reference had just jumped.
-        change, self.out = out - self.out, out
-        error, dy = self._scales.output * out, -self._scales.output * change
-        if self._begun and self._waiting:
-            error, dy = self._predicted(error, dy, own)
+            self._loop.counts[OWN] = own
+
+    def _first_error(self, state: RobotState, reference: Reference) -> Vector:
+        """Errors (m,) of the channels, from which a push knows its direction and ``adjust`` the size of a step."""
+        first = Sensing(self.channels, None, self.control_period)
+        first.update(state, reference)
+        return first.memory.error
+
+    def _nominal(self, state: RobotState) -> Vector:
+        if self._response is None:
+            self._response = self.channels.response(self._model, state.q)
+        return self._response
+
+    def _begin(self, state: RobotState) -> None:
+        """Set Phi(1), and what depends on it."""
+        gains, chosen, loop = self.gains, self._tuning, self._loop
+        found, loop.deviation[:] = self._identification.response(self._nominal(state))
+        response = gains.initial.scale * found
+        if gains.adjust:
+            chosen = adjusted(np.diag(response), self._limit, self._start, self.control_period)
+        lead = chosen.lead if gains.form == "rate_augmented" else None
+        mapping = Mapping(self.control_period, lead, gains.output_order, gains.input_order)
+        scales = self._scales(mapping.gain(response))
+        self._gradient.begin(scales.scaled(mapping.first(response), gains.output_order))
+        self._controller.begin(_weights(gains, chosen), self._limit / scales.input)
+        loop.lead[:] = 0.0 if lead is None else lead
+        loop.output[:], loop.input[:], loop.response[:] = scales.output, scales.input, np.diag(response)
+        loop.out[:] = 0.0
         self._begun = True
-        return self._scales.input * self.controller.update(error, dy, self.gradient)
 
-    def _predicted(self, error: Vector, dy: Vector, own: Vector) -> tuple[Vector, Vector]:
-        """Error and change when the next command acts; Phi says what the present one does, the reference goes on."""
-        moved = self.gradient.predict(self.controller.increment)
-        change = moved + dy - own
-        return error - change, change
+    def _scales(self, gain: Vector) -> Scales:
+        if self.gains.units == "printed":
+            lengths = np.array([name in BASE[:3] for name in self.channels.names])
+            return Scales.printed(lengths, self.channels.size)
+        return Scales.full_scale(gain, self._limit)
 
-    def gain(self) -> Vector:
-        """Phi of the input, (m, m), SI."""
-        phi = self.gradient.block(self._order)
-        out: Vector = phi / self._scales.output[:, None] / self._scales.input
-        return out
+    def _identify(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """An answer of the first seconds, before there is a Phi."""
+        errors, sensed, loop = self._sensing.update(state, reference), self._sensing.memory, self._loop
+        inputs = self._identification.inputs(int(loop.counts[TICKS]), self._start, sensed.moved_sample)
+        loop.counts[TICKS] += 1
+        lead = self._tuning.lead if self.gains.form == "rate_augmented" else 0.0
+        blocks = self.layout.blocks(np.zeros(self.layout.size)) | error_blocks(errors)
+        blocks["output"] = sensed.error + lead * sensed.rate
+        blocks["gate_count"] = np.array([self._sensing.refused.sum()])
+        blocks["identifying"] = np.ones(1)
+        blocks["initial_gain"] = np.diag(self._nominal(state))
+        return self.channels.spread(inputs), blocks
+
+
+def _layout(n: int, m: int) -> Layout:
+    errors = {"position_error": 3, "attitude_error": 3, "joint_error": n, "twist_error": 6, "joint_rate_error": n}
+    estimate = {"output": m, "pseudo_gradient": m * m, "innovation": m, "resets": 1, "gate_count": 1}
+    state = {"saturated": m, "saturation_share": 1, "identifying": 1, "initial_gain": m, "initial_deviation": m}
+    return Layout.of({**errors, **estimate, **state})
 
 
 def _weights(gains: MfacGains, chosen: Tuning) -> Weights:
     return weights_of(gains.output_order, gains.input_order, chosen.rho, chosen.kappa, gains.control_weight)
-
-
-def _trusted(found: Response, nominal: Vector, trust: float) -> tuple[Vector, Vector]:
-    """The fitted response where every diagonal entry is well enough known and positive, else the nominal one."""
-    relative = found.relative
-    if (relative <= trust).all() and (np.diag(found.gain) > 0.0).all():
-        return found.gain, relative
-    return nominal, np.minimum(relative, 1e6)

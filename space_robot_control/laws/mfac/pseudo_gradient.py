@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections import deque
-
 import numpy as np
 
+from space_robot_control.laws.mfac.kernel.gradient import (
+    FLOOR,
+    LEAST,
+    GradientRule,
+    foresee,
+    gradient_memory,
+    learn,
+    pass_over,
+)
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
-
-# A regressor whose squared norm is less carries no information (in the units of outputs and inputs).
-MIN_NORM_SQUARED = 1e-12
 
 
 class PseudoGradient:
@@ -24,9 +28,6 @@ class PseudoGradient:
     and is reset to Phi(1) where phi_{Ly+1} loses its direction: where an entry of diag(phi phi(1)^-1) falls below
     ``floor``; for one channel, where it changes sign or becomes tiny.
 
-    Attributes:
-        least_gain: ``floor`` times the smallest singular value of phi_{Ly+1}(1): weaker responses are not believed.
-
     Args:
         first: (m, m (Ly+Lu)) Phi(1), in the units of outputs and inputs.
         output_order: Ly, at least 1.
@@ -34,6 +35,10 @@ class PseudoGradient:
         sigma: step size in [0, 2]; 0 freezes the estimate.
         beta: > 0, in the squared units of dH.
         floor: share of Phi(1) below which the estimate is reset, in (0, 1).
+
+    Attributes:
+        rule: the numbers, for kernels.
+        memory: what it remembers, for kernels.
 
     Raises:
         SpecError: sizes that do not fit, or phi_{Ly+1}(1) without an inverse.
@@ -49,20 +54,49 @@ class PseudoGradient:
         m = first.shape[0] if first.ndim == 2 else 0
         if m == 0 or first.shape[1] != m * (output_order + input_order) or min(output_order, input_order) < 1:
             raise SpecError("sizes do not fit", key="first", value=first.shape, accepted="(m, m (Ly + Lu))")
-        self._first, self._orders = np.array(first), (output_order, input_order)
-        self._gain = slice(m * output_order, m * (output_order + 1))
-        gain = self._first[:, self._gain]
+        self.rule = GradientRule(output_order, input_order, float(sigma), float(beta))
+        self.memory = gradient_memory(m, output_order, input_order)
+        self._gain, self._floor = slice(m * output_order, m * (output_order + 1)), floor
+        self.begin(first)
+
+    def begin(self, first: Vector) -> None:
+        """Forget the past and go on from another Phi(1), of the same size.
+
+        Raises:
+            SpecError: phi_{Ly+1}(1) has no inverse.
+        """
+        gain = first[:, self._gain]
         if not np.isfinite(first).all() or np.linalg.cond(gain) > 1e12:
             raise SpecError("has no inverse", key="first (phi of the input)", value=gain.tolist())
-        self._back = np.linalg.inv(gain)
-        self.least_gain = floor * float(np.linalg.svd(gain, compute_uv=False)[-1])
-        self._sigma, self._beta, self._floor = sigma, beta, floor
+        self.memory.first[:], self.memory.back[:] = first, np.linalg.inv(gain)
+        self.memory.bounds[FLOOR] = self._floor
+        self.memory.bounds[LEAST] = self._floor * float(np.linalg.svd(gain, compute_uv=False)[-1])
         self.reset()
 
     @property
     def outputs(self) -> int:
         """M."""
-        return int(self._first.shape[0])
+        return int(self.memory.innovation.size)
+
+    @property
+    def estimate(self) -> Vector:
+        """(m, m (Ly+Lu)) Phi."""
+        return self.memory.estimate
+
+    @property
+    def innovation(self) -> Vector:
+        """(m,) dy - Phi dH of the last update."""
+        return self.memory.innovation
+
+    @property
+    def resets(self) -> int:
+        """Resets of Phi so far."""
+        return int(self.memory.resets[0])
+
+    @property
+    def least_gain(self) -> float:
+        """``floor`` times the smallest singular value of phi_{Ly+1}(1): weaker responses are not believed."""
+        return float(self.memory.bounds[LEAST])
 
     def block(self, index: int) -> Vector:
         """phi_{index+1}, (m, m)."""
@@ -71,11 +105,9 @@ class PseudoGradient:
 
     def reset(self) -> None:
         """Forget the past and return to Phi(1)."""
-        zero, (ly, lu) = np.zeros(self.outputs), self._orders
-        self._dy, self._du = deque([zero] * ly, maxlen=ly), deque([zero] * lu, maxlen=lu)
-        self.estimate = self._first.copy()
-        self.innovation = zero
-        self.resets = 0
+        self.memory.estimate[:] = self.memory.first
+        for array in (self.memory.past, self.memory.innovation, self.memory.resets):
+            array[:] = 0
 
     def update(self, dy: Vector, du: Vector) -> None:
         """Update Phi by one period, (17).
@@ -84,25 +116,14 @@ class PseudoGradient:
             dy: (m,) increment of the outputs over the period that just ended, dy(k).
             du: (m,) increment of the inputs at its beginning, du(k-1).
         """
-        self._du.appendleft(np.array(du))
-        regressor = np.concatenate([*self._dy, *self._du])
-        self._dy.appendleft(np.array(dy))
-        self.innovation = dy - self.estimate @ regressor
-        size = float(regressor @ regressor)
-        if self._sigma == 0.0 or size < MIN_NORM_SQUARED:
-            return
-        self.estimate = self.estimate + self._sigma * np.outer(self.innovation, regressor) / (self._beta + size)
-        share = np.einsum("ij,ji->i", self.estimate[:, self._gain], self._back)
-        if not np.isfinite(self.estimate).all() or share.min() < self._floor:
-            self.estimate = self._first.copy()
-            self.resets += 1
+        learn(self.rule, self.memory, dy, du)
 
     def predict(self, du: Vector) -> Vector:
         """Return dy(k+1) (m,) that an increment du(k) (m,) of the inputs leads to, Phi(k) dH(k)."""
-        out: Vector = self.estimate @ np.concatenate([*self._dy, du, *list(self._du)[:-1]])
-        return out
+        dy = np.zeros(self.outputs)
+        foresee(self.rule, self.memory, du, dy)
+        return dy
 
     def skip(self, du: Vector) -> None:
         """Pass over a period whose increment of the outputs is not known or not due to ``du``."""
-        self._du.appendleft(np.array(du))
-        self._dy.appendleft(self._dy[0])
+        pass_over(self.rule, self.memory, du)

@@ -71,7 +71,7 @@ class TerminalSliding(Law):
         self.skip = 3 if robot.base_mode == "free_floating" else 0
         self.sliding = self._sliding_mode(self.gains)
         self.observer = DisturbanceObserver(self.gains.disturbance_observer, control_period, 6 + robot.n)
-        self.memory = terminal_memory(robot.n, 6 + robot.n - self.skip)
+        self.memory = terminal_memory(robot.n, 6 + robot.n - self.skip, len(robot.mimics))
         self.layout = _layout(robot.n, 6 + robot.n - self.skip)
         self._answer = Answering(kernel.answer, robot.n, self.layout)
         # What the own commands that do not act yet cause, by stamp.

@@ -7,15 +7,15 @@ from typing import ClassVar
 import numpy as np
 from pydantic import Field, PositiveFloat
 
-from space_robot_control.command_limits import CommandLimits
-from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.compiled import CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
+from space_robot_control.laws.park.kernel.answer import ParkContext, ParkRule, answer, keep
 from space_robot_control.laws.rates_to_zero import RatesToZero
-from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
-from space_robot_description.robot import Robot
+from space_robot_control.tracking import ERROR_FIELDS
+from space_robot_description.kernel.context import context_of
 from space_robot_description.spec import PerJoint, expand
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_msgs_py.interfaces import Vector
 
 
 class Park(RatesToZero):
@@ -63,44 +63,14 @@ class Park(RatesToZero):
     }
     gains: Gains
 
-    def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
-        super().__init__(robot, control_period, gains)
-        self._limits = CommandLimits(robot)
-        self._posture = self._checked_posture()
-        self._path: tuple[Vector, Vector] | None = None
-
-    def reset(self) -> None:
-        """Forget the path."""
-        super().reset()
-        self._path = None
-
-    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class."""
-        path, rate = (state.joints, state.joint_rates) if self._path is None else self._path
-        next_rate = self._next_rate(self._posture - path, rate)
-        decay = self.gains.rate / (1.0 + self.gains.rate * self.control_period)
-        acceleration = -decay * state.v[self._first :]
-        acceleration[-self.n :] = (
-            (next_rate - rate) / self.control_period
-            + decay * (rate - state.joint_rates)
-            + 0.25 * decay**2 * (path - state.joints)
-        )
-        u = np.zeros(6 + self.n)
-        u[self._first :] = self._model.actuated_mass_matrix(state.q) @ acceleration
-        scale = self._limits.common_scale(u)
-        self._path = (path + self.control_period * next_rate, next_rate) if scale == 1.0 else None
-        errors = error_blocks(tracking_errors(state, reference))
-        left = self._posture - state.joints
-        return scale * u, {**errors, "path": path, "path_rate": rate, "posture_error": left, "scale": scale}
-
-    def _next_rate(self, left: Vector, rate: Vector) -> Vector:
-        """The rate after this period (n,), for what is left of the path and the rate so far."""
-        step, T = self.gains.acceleration * self.control_period, self.control_period
-        distance = np.abs(left)
-        stopping = step * (np.sqrt(0.25 + 2.0 * distance / (step * T)) - 0.5)
-        wanted = np.sign(left) * np.minimum(np.minimum(self.gains.speed, stopping), distance / T)
-        out: Vector = rate + np.clip(wanted - rate, -step, step)
-        return out
+    def form(self) -> CompiledLaw:
+        """See ``kernel/answer.py``."""
+        gains, period = self.gains, self.control_period
+        posture = np.array(self._checked_posture(), dtype=np.float64)
+        rule = ParkRule(period, gains.speed, gains.acceleration * period, posture)
+        context = ParkContext(rule, self.known, self.room, self.begun, np.zeros((3, self.n)))
+        layout = Layout.of({**self.errors, "path": self.n, "path_rate": self.n, "posture_error": self.n, "scale": 1})
+        return CompiledLaw(answer, context_of(context, keep), layout)
 
     def _checked_posture(self) -> Vector:
         robot, key = self.robot, "controller.gains.posture"

@@ -9,15 +9,20 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.channels import Channels
+from space_robot_control.kernel.dense import factor
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
+from space_robot_control.laws.pd.kernel.answer import PdContext, answer, keep, pd_numbers
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.sampled_stability import stability_margin
 from space_robot_control.sensing import FilterSpec, Sensing
-from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.fields import DYNAMIC
+from space_robot_description.kernel.context import context_of
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
+from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
@@ -72,19 +77,27 @@ class ProportionalDerivative(Law):
         super().__init__(robot, control_period, gains)
         self.channels = Channels(robot, self.gains.outputs, self.gains.held)
         self._model = NominalModel(robot)
-        self.retune(self.gains)
         self._sensing = Sensing(self.channels, self.gains.filter, control_period)
-        self._response: Vector | None = None
+        self._numbers, self.layout = pd_numbers(self.channels.size), _layout(self.n, self.channels.size)
+        context = PdContext(self._sensing.rule, self._sensing.memory, self._numbers)
+        self._context, self._answer = context_of(context, keep), Answering(answer, self.n, self.layout)
+        self._begun = False
+        self.retune(self.gains)
 
     def retune(self, gains: Gains) -> None:
         """Go on with another bandwidth or damping."""
         self._wn = expand(gains.bandwidth, self.channels.names, "controller.gains.bandwidth")
+        self._numbers.kp[:], self._numbers.kd[:] = self._wn**2, 2.0 * gains.damping * self._wn
 
     def reset(self) -> None:
         """Forget filter and response."""
         super().reset()
         self._sensing.reset()
-        self._response = None
+        self._begun = False
+
+    def compiled(self) -> CompiledLaw:
+        """The law for compiled runs."""
+        return CompiledLaw(answer, self._context, self.layout, start=self._begin)
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Find by which factor each channel could be faster; warn where the sampled loop is unstable."""
@@ -97,17 +110,25 @@ class ProportionalDerivative(Law):
         return Review(tuple(facts), tuple(warnings))
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class."""
-        errors, sensing = tracking_errors(state, reference), self._sensing
-        sensing.update(state, reference, self.channels.errors(state, errors))
-        if self._response is None:
-            self._response = self.channels.response(self._model, state.q)
-        acceleration = self._wn**2 * sensing.error + 2.0 * self.gains.damping * self._wn * sensing.rate
-        u = self.channels.spread(np.array(np.linalg.solve(self._response, acceleration)))
-        return u, {
-            **error_blocks(errors),
-            "output": sensing.error,
-            "output_rate": sensing.rate,
-            "gate_count": sensing.refused.sum(),
-            "gains_inverse": np.diag(self._response),
-        }
+        """Return u and the telemetry listed at the class.
+
+        Raises:
+            ControlError: B has no inverse.
+        """
+        if not self._begun:
+            self._begin(state)
+        _, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
+        return u, self.layout.blocks(row)
+
+    def _begin(self, state: RobotState) -> None:
+        """B is that of the first state."""
+        numbers, response = self._numbers, self.channels.response(self._model, state.q)
+        numbers.factors[:], numbers.response[:] = response, np.diag(response)
+        if not factor(numbers.factors, numbers.pivots):
+            raise ControlError("has no inverse", key="B", value=response.tolist())
+        self._begun = True
+
+
+def _layout(n: int, m: int) -> Layout:
+    errors = {"position_error": 3, "attitude_error": 3, "joint_error": n, "twist_error": 6, "joint_rate_error": n}
+    return Layout.of({**errors, "output": m, "output_rate": m, "gate_count": 1, "gains_inverse": m})

@@ -26,8 +26,8 @@ from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.share import shipped
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import blocks_equal
 from space_robot_msgs_py.log.reader import LogReader
+from tests.support.values import blocks_equal
 
 
 @pytest.mark.parametrize("name", shipped("experiments"))

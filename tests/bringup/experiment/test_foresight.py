@@ -68,17 +68,18 @@ def test_noise_of_the_wheels_that_least_squares_do_not_expect_is_foreseen() -> N
 
 
 def test_friction_that_the_law_does_not_know_is_foreseen() -> None:
-    """Friction is named with the law that does not know it; mfac learns what a channel does."""
+    """Friction is named with the law that does not know it, and what lets it know."""
     (warning,) = _foreseen(_robot(viscous=0.1))
     assert "friction (viscous up to 0.1), which computed_torque does not know" in warning
-    assert _foreseen(_robot(viscous=0.1), controller={"law": "mfac"}) == ()
+    assert "see nominal.friction" in warning
+    assert _foreseen(_robot(viscous=0.1), nominal={"friction": True}) == ()
     # A law of the user may know it.
     assert _foreseen(_robot(coulomb=0.1), controller={"law": "own.py:Mine"}) == ()
 
 
 def test_modes_faster_than_the_period_are_foreseen() -> None:
     """Friction that stops a joint between two commands and motors slower than the period are named."""
-    warnings = _foreseen(_robot(viscous=50.0), controller={"law": "mfac"})
+    warnings = _foreseen(_robot(viscous=50.0), nominal={"friction": True}, reference={"kind": "hold"})
     assert [warning.startswith("friction slows a joint down within") for warning in warnings] == [True]
     (warning,) = _foreseen(_robot(lag=0.5))
     assert "motors lag by 0.5 s, longer than the control period of 0.1 s" in warning

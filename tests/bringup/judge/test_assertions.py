@@ -122,6 +122,29 @@ REFUSALS: dict[str, tuple[str, tuple[str, ...]]] = {
     "an event that lasts": ("{events: {jet: {at_most: 1, for: 1}}}", ("expect.events.jet.for", "no duration")),
     "a number that is none": ("{base.rate: {never_above: .nan}}", ("expect.base.rate.never_above",)),
     "mode without names": ("{mode: {never: true}}", ("expect.mode",)),
+    "more than at most": ("{mode: {SAFE: {at_least: 3, at_most: 2}}}", ("expect.mode.SAFE", "at_least must not be")),
+    "until of what is soon": ("{mode: {SAFE: {within: 1, until: 2}}}", ("expect.mode.SAFE", "until is for")),
+    "until of the end": ("{mode: {SAFE: {at_end: true, until: jet}}}", ("expect.mode.SAFE", "until is for")),
+    "after, at the end": ("{mode: {SAFE: {at_end: true, after: 1}}}", ("expect.mode.SAFE", "after is for")),
+    "always for a while": ("{mode: {SAFE: {always: true, for: 1}}}", ("expect.mode.SAFE", "for has no meaning")),
+    "never and always": ("{mode: {SAFE: {always: true, never: true}}}", ("expect.mode.SAFE", "exactly one")),
+    "a condition with no pattern beside a never": (
+        "{base.rate: {never_above: 1, within: 1}}",
+        ("expect.base.rate", "exactly one"),
+    ),
+    "a bound above the other": (
+        "{base/roll.final_error: {min: 2, max: 1}}",
+        ("expect.base/roll.final_error", "min must"),
+    ),
+    "no bound": ("{base/roll.final_error: {tolerance: 1}}", ("expect.base/roll.final_error", "give value, min or max")),
+    "an event that is always": ("{events: {jet: {always: true}}}", ("expect.events.jet.always", "no duration")),
+    "an event at the end": ("{events: {jet: {at_end: true}}}", ("expect.events.jet.at_end", "no duration")),
+    "an end that there is not": (
+        "{base.rate: {never_above: 1, until: jetty}}",
+        ("expect.base.rate.until", "'jetty'", "jet"),
+    ),
+    "a signal with one per name": ("{base.rate: {jet: {never: true}}}", ("expect.base.rate", "signal")),
+    "a list of nothing": ("{base.rate: []}", ("expect.base.rate",)),
 }
 
 

@@ -9,12 +9,12 @@ import pytest
 
 from space_robot_bringup.judge import measure as measuring
 from space_robot_bringup.judge.judging import log_block
-from space_robot_bringup.judge.measure import Measurement, measure
+from space_robot_bringup.judge.measure import Measurement
 from space_robot_msgs_py.interfaces import Command, ControlOutput, PlantSample, Reference, RobotState, Telemetry, Tick
 from space_robot_msgs_py.log.header import LogHeader
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.writer import LogSink
-from tests.support.whole_metrics import measure_whole
+from tests.support.whole_metrics import measure, measure_whole
 
 PERIOD = 100_000_000
 

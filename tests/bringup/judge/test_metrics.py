@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from space_robot_bringup.experiment.expectations import Expectation
-from space_robot_bringup.judge.measure import measure
 from space_robot_bringup.judge.metrics import RunMetrics, deviations, metric_names
 from space_robot_bringup.judge.verdict import check_expectations, judge
 from space_robot_description.rotations import exp, log, relative
@@ -24,6 +23,7 @@ from space_robot_msgs_py.interfaces import (
     Tick,
     Vector,
 )
+from tests.support.whole_metrics import measure
 
 PERIOD = 100_000_000
 

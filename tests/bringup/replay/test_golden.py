@@ -33,6 +33,7 @@ IDLE = {
     "initial.seconds": "Phi(1) comes from the model",
     "initial.trust": "likewise",
     "initial.level": "likewise",
+    "posture_step": "the arm passes it within the same period",
 }
 IDLE_ON_A_FLOATING_BASE = ("rls.force_noise", "translation")
 
@@ -49,10 +50,10 @@ def test_the_golden_logs_replay(name: str) -> None:
 
 
 def test_each_controller_is_there_on_two_robots() -> None:
-    """Every shipped law but the one that does nothing, on mini and on servicer, in less than 2 MB."""
+    """Every shipped law but the one that does nothing, on mini and on servicer, in less than 3 MB."""
     laws = set(BUILT_IN) - {"none"}
     assert {f"{law}_{robot}" for law in laws for robot in ("mini", "servicer")} == set(GOLDEN)
-    assert sum(path.stat().st_size for path in FOLDER.rglob("*") if path.is_file()) < 2_000_000
+    assert sum(path.stat().st_size for path in FOLDER.rglob("*") if path.is_file()) < 3_000_000
     assert {LogReader(FOLDER / name).end_reason for name in GOLDEN} == {"completed"}
 
 

@@ -223,6 +223,23 @@ def test_bad_gains_name_their_key(gains: dict[str, Any], says: str) -> None:
         make_law("computed_torque", FLYING, 0.1, gains)
 
 
+def test_gains_that_are_made_by_hand_are_refused_in_the_same_words() -> None:
+    """A line each with law, key, value and what is accepted, wherever in a program they are made."""
+    with pytest.raises(SpecError) as caught:
+        Canned.Gains(level="high", sharpness=2.0)  # type: ignore[arg-type, call-arg]
+    assert [str(one) for one in caught.value.problems] == [
+        "Canned.Gains.sharpness: unknown key; accepted: level",
+        "Canned.Gains.level: not accepted; got 'high'; accepted: a number",
+    ]
+
+
+def test_gains_that_are_no_model_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A class of numbers in place of a model is named, with what it has to be."""
+    monkeypatch.setattr(Canned, "Gains", type("Gains", (), {"level": 1.0}))
+    with pytest.raises(SpecError, match=r"Canned\.Gains: is no model of gains; .*Gains\(space_robot\.Law\.Gains\)"):
+        make_law(f"{__name__}:Canned", FLYING, 0.1)
+
+
 def test_every_gain_says_what_it_is_and_in_which_unit() -> None:
     """Defaults live with the law, and every field has a description, a number with its unit."""
     for name in registry.BUILT_IN:

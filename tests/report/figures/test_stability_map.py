@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import matplotlib.pyplot as plt
 import pytest
-from pydantic import ValidationError
 
 from space_robot_control.laws.mfac.stability import spectral_radius
+from space_robot_msgs_py.errors import SpecError
 from space_robot_report.figures.stability_map import draw_stability
 from space_robot_studies.reproduce.stability_map import StabilityMap
 
@@ -27,5 +27,5 @@ def test_a_drawn_region_is_where_the_loop_is_stable() -> None:
 
 def test_a_range_that_does_not_rise_is_refused() -> None:
     """A range that does not rise is no map."""
-    with pytest.raises(ValidationError, match="ratio is"):
+    with pytest.raises(SpecError, match="ratio is"):
         StabilityMap(label="y", ratio=(1.0, 0.1))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import space_robot as sr
+from tests.support.robots import random_model, robot_of
 from tests.support.tool import Tool, refused
 
 pytest.importorskip("matplotlib")
@@ -32,6 +34,19 @@ def test_the_film_shows_the_robot_move(run: sr.Run, tmp_path: Path) -> None:
     assert len(frames) == 4
     assert all(frame.std() > 5.0 for frame in frames)
     assert np.abs(frames[0] - frames[-1]).max() > 50.0
+
+
+def test_the_lines_are_the_links_of_the_robot() -> None:
+    """A branching robot has no line from the end of one branch to the beginning of the next; a box has twelve edges."""
+    model = random_model(np.random.default_rng(3), 9)
+    parents = list(model.parents)
+    assert len(set(parents[2:])) < len(parents[2:]), "a tree that branches is wanted"
+    order = video._outward_and_back(robot_of(model))
+    drawn = {frozenset(pair) for pair in pairwise(order) if pair[0] != pair[1]}
+    assert drawn == {frozenset((joint - 1, parents[joint] - 1)) for joint in range(2, len(parents))}
+    edges = {frozenset((tuple(a), tuple(b))) for a, b in pairwise(video.CUBE.tolist())}
+    assert len(edges) == 12
+    assert all(sum(x != y for x, y in zip(*edge, strict=True)) == 1 for edge in edges)
 
 
 def test_the_command_writes_beside_the_log(run: sr.Run, tmp_path: Path, space_robot: Tool) -> None:

@@ -10,12 +10,13 @@ import pytest
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import CommandError, SpecError
-from space_robot_msgs_py.interfaces import Command, PlantSample, Vector, blocks_equal
+from space_robot_msgs_py.interfaces import Command, PlantSample, Vector
 from space_robot_sim.grasp.airbearing import AirbearingTestbed
 from space_robot_sim.grasp.camera import Camera
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.spec import AirbearingSpec, CameraSpec, GraspSpec
 from space_robot_sim.initial import InitialState, RunConditions
+from tests.support.values import blocks_equal
 
 PERIOD = 100_000_000
 CALM: dict[str, Any] = {

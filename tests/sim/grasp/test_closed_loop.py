@@ -10,13 +10,13 @@ import pytest
 
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.judge.measure import measure
 from space_robot_bringup.judge.metrics import RunMetrics
 from space_robot_control.gated_filter import GatedFilter
 from space_robot_control.laws.mfac.incremental_controller import IncrementalController, weights_of
 from space_robot_control.laws.mfac.pseudo_gradient import PseudoGradient
 from space_robot_msgs_py.errors import NonFiniteError
 from space_robot_msgs_py.interfaces import Command, RobotState, Telemetry, Tick
+from tests.support.whole_metrics import measure
 
 CASES = ("attitude_6_85", "attitude_1_7", "position_1036", "position_874")
 

@@ -44,6 +44,18 @@ def test_accelerations_equal_pinocchio(seed: int) -> None:
     np.testing.assert_allclose(dy[7 + joints :], expected, rtol=0.0, atol=1e-12 * max(1.0, np.abs(expected).max()))
 
 
+@pytest.mark.parametrize("joints", [14, 44])
+def test_accelerations_of_large_trees_equal_pinocchio(joints: int) -> None:
+    """As many joints as two arms and as a humanoid have, in random trees."""
+    rng = np.random.default_rng(joints)
+    model, (q, v) = random_model(rng, joints), random_state(rng, joints, 0.3)
+    y, u = np.concatenate([q, v]), rng.normal(size=6 + joints) * 5.0
+    dy, work = np.zeros_like(y), np.zeros((1 + joints, WORKSPACE))
+    forward_dynamics(robot_arrays(model), y, tuple(u[:3].tolist()), tuple(u[3:6].tolist()), u[6:], work, dy)
+    expected = pin.aba(model, model.createData(), q, v, u)
+    np.testing.assert_allclose(dy[7 + joints :], expected, rtol=0.0, atol=1e-11 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_balance_equals_pinocchio(seed: int) -> None:
     """Momentum about the inertial origin and kinetic energy are those of pin.ccrba and computeKineticEnergy."""

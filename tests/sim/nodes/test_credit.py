@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 pytest.importorskip("rclpy")
-from space_robot_msgs_py.codec.codecs import encode_clock
-from space_robot_sim.nodes.credit import MAX_AHEAD, Credit
+from space_robot_msgs_py.codec.codecs import decode_clock, encode_clock
+from space_robot_sim.nodes.credit import MAX_AHEAD, Credit, CreditGiver
 
 PERIOD = 10
 
@@ -48,3 +48,26 @@ def test_what_no_recorder_gives_is_refused(raw: bytes) -> None:
     assert not taken.take(raw, 0, PERIOD)
     assert not taken.given
     assert len(refused) == 1
+
+
+@pytest.mark.parametrize("ahead", [0, 1, 2, 7, 256])
+def test_credit_is_given_by_halves_before_anything_waits(ahead: int) -> None:
+    """First for state 0 alone; once that is heard, so far ahead of what is written; seldom, and never too late."""
+    said: list[int] = []
+    node: Any = SimpleNamespace(
+        publisher=lambda topic: SimpleNamespace(publish=lambda raw: said.append(decode_clock(raw)))
+    )
+    giver = CreditGiver(node, PERIOD, ahead)
+    for _ in range(2):
+        for _ in range(3):
+            giver.give(0, heard=False)
+        assert said == [0]
+        for tick in range(1000):
+            giver.give(tick * PERIOD, heard=True)
+            assert said[-1] <= (tick + ahead) * PERIOD
+            # The state of the tick that is to be written next may be published, and half of what may be ahead of it.
+            assert said[-1] > (tick + ahead - max(1, ahead // 2)) * PERIOD
+        assert said == sorted(set(said))
+        assert len(said) <= 3 + 1000 // max(1, ahead // 2)
+        giver.restart()
+        said.clear()

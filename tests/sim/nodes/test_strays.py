@@ -12,6 +12,7 @@ import pytest
 pytest.importorskip("rclpy")
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import run_experiment
+from space_robot_control.nodes.guidance import GuidanceNode
 from space_robot_msgs_py.codec.cdr import ENCAPSULATION
 from space_robot_msgs_py.codec.codecs import (
     CommandCodec,
@@ -40,6 +41,7 @@ from space_robot_msgs_py.topics import (
     Topic,
 )
 from tests.support.harness import RunningGraph, running_graph
+from tests.support.replays import but_for_publishers
 from tests.support.unanswered import AT, PERIOD, SHORT, STEPS, go_on, stand_unanswered
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -150,11 +152,6 @@ def refused(robot: RunningGraph) -> int:
     return sum(sum(node.refusals.values()) for node in nodes) + sum(robot.simulator.commands.counts.values())
 
 
-def messages(place: Path) -> list[tuple[str, int, bytes]]:
-    """All of a log but which nodes published."""
-    return [one for one in LogReader(place).messages() if one[0] != "controller/events"]
-
-
 @pytest.mark.parametrize("name", TOPICS)
 def test_a_stray_message_is_refused_and_changes_nothing(
     name: str, tmp_path: Path, undisturbed: list[tuple[str, int, bytes]]
@@ -173,4 +170,22 @@ def test_a_stray_message_is_refused_and_changes_nothing(
         go_on(robot)
         assert [node.end_reason for node in robot.nodes.values()] == ["completed"] * 4
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
-    assert messages(tmp_path / "run") == undisturbed
+    assert but_for_publishers(tmp_path / "run") == undisturbed
+
+
+def test_a_reference_that_is_said_again_is_no_news(tmp_path: Path, undisturbed: list[tuple[str, int, bytes]]) -> None:
+    """Guidance says it for late nodes: a controller counts nothing, whatever a stranger said, and a reset works."""
+    with running_graph(tmp_path / "run", *WHOLE) as robot:
+        guidance = robot.nodes["guidance"]
+        assert isinstance(guidance, GuidanceNode)
+        stand_unanswered(robot)
+        robot.publish(REFERENCE_BASE, reference(0))
+        robot.publish(REFERENCE_BASE, reference(AT))
+        robot.settle()
+        for tick in range(AT + 3):
+            guidance._say_again(tick)
+            robot.settle()
+        assert robot.nodes["controller"].refusals == {}
+        robot.simulator.reset()
+        go_on(robot)
+    assert but_for_publishers(tmp_path / "run_reset1") == undisturbed

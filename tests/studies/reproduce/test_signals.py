@@ -9,12 +9,12 @@ import pytest
 
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.judge.measure import measure
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_description.inertia import inertial_parameters
 from space_robot_msgs_py.log.reader import LogReader
-from space_robot_studies.reproduce.attitude_path import axis_distances, path_ratio
+from space_robot_studies.reproduce.attitude_path import axis_distances, path_ratios
 from space_robot_studies.reproduce.signals import PARAMETERS, Signals, signal_names, tool_errors
+from tests.support.whole_metrics import measure
 
 OVERRIDES = (
     "duration=5.0",
@@ -116,7 +116,7 @@ def test_paths_and_tools_are_those_of_their_functions(noisy_run: tuple[Signals, 
     """The path ends at its ratio, an axis has a distance while the base turns, the tool is that of the true robot."""
     signals, _ = noisy_run
     q, q_d = signals.arrays.plant["true_configuration"], signals.arrays.q_d
-    assert signals.of("base.path")[-1] == path_ratio(q[:, 3:7], q_d[-1, 3:7])
+    assert signals.of("base.path")[-1] == path_ratios(q[:, 3:7], q_d[-1, 3:7])[-1]
     distances, turning = axis_distances(q[:, 3:7], signals.arrays.plant["true_velocity"][:, 3:6], q_d[-1, 3:7])
     shown = signals.of("base.axis_distance")
     assert np.array_equal(np.isfinite(shown), turning)

@@ -10,6 +10,7 @@ Reference: Slotine and Li, IJRR 6(3), 1987; Echeandia and Wensing, J. Computatio
 from __future__ import annotations
 
 from space_robot_control.laws.adaptive.kernel.tree import ALONG, BASE, PLACE, Places, Tree
+from space_robot_description.kernel.coupling import RATE, to_joints
 from space_robot_description.kernel.jit import constants, inner
 from space_robot_description.kernel.spatial import Vec, add, cross, get3, put3, scaled, sub
 from space_robot_msgs_py.interfaces import Vector
@@ -24,6 +25,18 @@ Spin = tuple[Vec, Vec, Vec]  # omega, omega_r, alpha
 @inner
 def move(tree: Tree, dx: Vector, dx_r: Vector, ddx_r: Vector, at: Places) -> None:
     """Give every placed body the motion of x' (6+n,), x_r' and x_r''."""
+    if tree.coupling.shape[0]:
+        to_joints(tree.coupling, dx, RATE, at.joints[1])
+        to_joints(tree.coupling, dx_r, RATE, at.joints[2])
+        to_joints(tree.coupling, ddx_r, RATE, at.joints[3])
+        _move(tree, at.joints[1], at.joints[2], at.joints[3], at)
+    else:
+        _move(tree, dx, dx_r, ddx_r, at)
+
+
+@inner
+def _move(tree: Tree, dx: Vector, dx_r: Vector, ddx_r: Vector, at: Places) -> None:
+    """The same of all joints (6+N,)."""
     bodies, axes = at.bodies, at.axes
     rest = (0.0, 0.0, 0.0)
     spin = (rest, rest, rest)

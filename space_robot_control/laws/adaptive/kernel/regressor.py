@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from space_robot_control.laws.adaptive.kernel.motion import ACCELERATION, ALPHA, OMEGA, OMEGA_R, accelerate, move
 from space_robot_control.laws.adaptive.kernel.tree import ALONG, BASE, PLACE, THROUGH, TURN, Places, Tree, place
+from space_robot_description.kernel.coupling import COORDINATE, MULTIPLIER
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.spatial import Mat, Sym, Vec, add, cross, dot, get3, get9, mul, mul_t, scaled, sub
 from space_robot_msgs_py.interfaces import Vector
@@ -43,7 +44,7 @@ def slotine_li(
         dx: (6+n,) x' [m/s, rad/s].
         dx_r: (6+n,) x_r' [m/s, rad/s].
         ddx_r: (6+n,) x_r'' [m/s2, rad/s2].
-        parameters: (P,) pi, P = 10 (1+n).
+        parameters: (P,) pi, P = 10 (1+N).
         free_base: x_r'' of the base is the given one and what it takes for no force on it, with these parameters.
         Y: (6+n, P) receives Y.
     """
@@ -51,6 +52,28 @@ def slotine_li(
     move(tree, dx, dx_r, ddx_r, at)
     if free_base:
         _let_base_float(parameters, at)
+    if tree.coupling.shape[0]:
+        _fill_all(tree, at, at.rows)
+        _join(tree.coupling, at.rows, Y)
+    else:
+        _fill_all(tree, at, Y)
+
+
+@inner
+def _join(coupling: Vector, rows: Vector, Y: Vector) -> None:
+    """Write the rows of coordinates (6+n, P): those of all joints (6+N, P) that each moves, times how far it does."""
+    Y[6:] = 0.0
+    for column in range(Y.shape[1]):
+        for dof in range(BASE):
+            Y[dof, column] = rows[dof, column]
+        for joint in range(coupling.shape[0]):
+            dof = BASE + int(coupling[joint, COORDINATE])
+            Y[dof, column] += coupling[joint, MULTIPLIER] * rows[BASE + joint, column]
+
+
+@inner
+def _fill_all(tree: Tree, at: Places, Y: Vector) -> None:
+    """Write the rows of all degrees of freedom (6+N, P)."""
     Y[:] = 0.0
     for body in range(tree.parent.shape[0]):
         motion = _in_body(at.bodies, body)

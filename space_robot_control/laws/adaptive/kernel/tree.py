@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.coupling import NOTHING_COUPLED, POSITION, coupling_of, to_joints
 from space_robot_description.kernel.jit import constants, inner
 from space_robot_description.kernel.joints import joint_axes
 from space_robot_description.kernel.spatial import Mat, Vec, add, get3, get9, mul, product, put3, put9, scaled
@@ -29,36 +30,42 @@ ALONG, THROUGH = constants(0, 3)
 
 
 class Tree(NamedTuple):
-    """The geometry of 1 + n bodies, each in Pinocchio's joint frame.
+    """The geometry of 1 + N bodies, each in Pinocchio's joint frame; n coordinates move N joints.
 
     Attributes:
-        parent: (1+n,) body that carries each body; 0 for the base.
-        slides: (6+n,) 1 where a degree of freedom is a translation.
-        frames: (1+n, 15) placements and joint axes [m].
+        parent: (1+N,) body that carries each body; 0 for the base.
+        slides: (6+N,) 1 where a degree of freedom is a translation.
+        frames: (1+N, 15) placements and joint axes [m].
+        coupling: (N, 3) of joints that follow others, see ``description.kernel.coupling``; (0, 3) without.
     """
 
     parent: npt.NDArray[np.int64]
     slides: npt.NDArray[np.int64]
     frames: npt.NDArray[np.float64]
+    coupling: npt.NDArray[np.float64] = NOTHING_COUPLED
 
 
 class Places(NamedTuple):
     """Memory of one configuration and one motion.
 
     Attributes:
-        bodies: (1+n, 24) see the columns here and in `kernel.motion`.
-        axes: (6+n, 6) see the columns here.
+        bodies: (1+N, 24) see the columns here and in `kernel.motion`.
+        axes: (6+N, 6) see the columns here.
+        joints: (4, 6+N) x, x', x_r' and x_r'' of all joints; only used where some follow others.
+        rows: (6+N, 10 (1+N)) regressor of all joints; (0, 0) where none follows another.
     """
 
     bodies: npt.NDArray[np.float64]
     axes: npt.NDArray[np.float64]
+    joints: npt.NDArray[np.float64]
+    rows: npt.NDArray[np.float64]
 
 
 def tree_of(model: Any) -> Tree:
     """The arrays of a Pinocchio model.
 
     Args:
-        model: free-flyer root, then joints with one degree of freedom each, no gravity, no armature.
+        model: free-flyer root, then joints with one degree of freedom each or JointModelMimic, no gravity, no armature.
 
     Raises:
         SpecError: the model is not such a robot.
@@ -70,17 +77,30 @@ def tree_of(model: Any) -> Tree:
         placement = model.jointPlacements[body + 1]
         frames[body] = [*placement.rotation.ravel(), *placement.translation, *along[body - 1]]
     parent = np.array([max(0, model.parents[body + 1] - 1) for body in range(bodies)], dtype=np.int64)
-    return Tree(parent, np.array([1, 1, 1, 0, 0, 0, *sliding], dtype=np.int64), frames)
+    slides = np.array([1, 1, 1, 0, 0, 0, *sliding], dtype=np.int64)
+    return Tree(parent, slides, frames, coupling_of(model))
 
 
-def places(joints: int) -> Places:
-    """Memory for a robot with that many joints."""
-    return Places(np.zeros((1 + joints, 24)), np.zeros((BASE + joints, 6)))
+def places(joints: int, followers: int = 0) -> Places:
+    """Memory for a robot with that many joints, and others that follow them."""
+    size = BASE + joints + followers
+    rows = np.zeros((size, 10 * (size - 5)) if followers else (0, 0))
+    return Places(np.zeros((size - 5, 24)), np.zeros((size, 6)), np.zeros((4, size)), rows)
 
 
 @inner
 def place(tree: Tree, x: Vector, at: Places) -> None:
     """Turn and place bodies and axes in the configuration x (6+n,)."""
+    if tree.coupling.shape[0]:
+        to_joints(tree.coupling, x, POSITION, at.joints[0])
+        _place(tree, at.joints[0], at)
+    else:
+        _place(tree, x, at)
+
+
+@inner
+def _place(tree: Tree, x: Vector, at: Places) -> None:
+    """The same of all joints (6+N,)."""
     bodies, axes = at.bodies, at.axes
     _place_base(x, at)
     for body in range(1, tree.parent.shape[0]):

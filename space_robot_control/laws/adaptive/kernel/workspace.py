@@ -91,11 +91,11 @@ class Workspace(NamedTuple):
     Y: npt.NDArray[np.float64]
 
 
-def workspace_for(joints: int, first: int) -> Workspace:
-    """Memory for a robot with that many joints, whose first actuated degree of freedom is this one."""
+def workspace_for(joints: int, first: int, followers: int = 0) -> Workspace:
+    """Memory for that many joints, behind this first actuated degree of freedom, and joints that follow others."""
     size = 6 + joints
     return Workspace(
-        places=places(joints),
+        places=places(joints, followers),
         x=np.zeros(size),
         dx=np.zeros(size),
         x_d=np.zeros(size),
@@ -108,5 +108,5 @@ def workspace_for(joints: int, first: int) -> Workspace:
         e=np.zeros(size - first),
         sigma=np.zeros(size - first),
         sigma_full=np.zeros(size),
-        Y=np.zeros((size, PER_BODY * (1 + joints))),
+        Y=np.zeros((size, PER_BODY * (1 + joints + followers))),
     )

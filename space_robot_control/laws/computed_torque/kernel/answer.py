@@ -57,11 +57,11 @@ class TorqueContext(NamedTuple):
     robot: RobotArrays
 
 
-def torque_memory(joints: int) -> TorqueMemory:
-    """Memory for that many joints."""
+def torque_memory(joints: int, followers: int = 0) -> TorqueMemory:
+    """Memory for that many joints, and others that follow them."""
     size = 6 + joints
     dof = np.zeros(size), np.zeros(size), np.zeros(size)
-    return TorqueMemory(*dof, np.zeros(4), np.zeros(size), np.zeros((1 + joints, MOTION_SIZE)))
+    return TorqueMemory(*dof, np.zeros(4), np.zeros(size), np.zeros((1 + joints + followers, MOTION_SIZE)))
 
 
 def _example() -> TorqueContext:

@@ -114,8 +114,8 @@ class Terminal(NamedTuple):
     able: Actuators
 
 
-def terminal_memory(joints: int, size: int) -> TerminalMemory:
-    """Memory for that many joints and sliding variables."""
+def terminal_memory(joints: int, size: int, followers: int = 0) -> TerminalMemory:
+    """Memory for that many joints and sliding variables, and joints that follow others."""
     dof = 6 + joints
     return TerminalMemory(
         estimate=np.zeros(size),
@@ -131,7 +131,7 @@ def terminal_memory(joints: int, size: int) -> TerminalMemory:
         terms=np.zeros((ROWS, size)),
         turned=np.zeros(3),
         bias=np.zeros(dof),
-        work=np.zeros((1 + joints, MOTION_SIZE)),
+        work=np.zeros((1 + joints + followers, MOTION_SIZE)),
     )
 
 

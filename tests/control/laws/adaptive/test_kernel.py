@@ -11,7 +11,7 @@ import pytest
 
 from space_robot_bringup.modes import compilation as compiling
 from space_robot_control.laws.adaptive.cycle import Cycle
-from space_robot_control.laws.adaptive.euler_coordinates import difference, euler_acceleration, euler_state
+from space_robot_control.laws.adaptive.euler_coordinates import euler_state
 from space_robot_control.laws.adaptive.kernel.consistency import assess
 from space_robot_control.laws.adaptive.kernel.control import control
 from space_robot_control.laws.adaptive.kernel.least_squares import covariance_times
@@ -26,6 +26,8 @@ from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy, rotate, rotate_inverse
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from tests.support.coupled_robots import random_coupled
+from tests.support.euler_coordinates import difference, euler_acceleration
 from tests.support.paths import ROOT
 from tests.support.robots import random_model, robot_of
 
@@ -69,7 +71,7 @@ def check_regressor(robot: Robot, rng: np.random.Generator) -> None:
     regressor, size = Regressor(robot), 6 + robot.n
     pi = regressor.parameters * rng.uniform(0.8, 1.2, regressor.parameters.size)
     x, dx, dx_r, ddx_r = random_coordinates(rng, robot.n)
-    rows, tree, at = np.full((size, pi.size), np.nan), tree_of(robot.model), places(robot.n)
+    rows, tree, at = np.full((size, pi.size), np.nan), tree_of(robot.model), places(robot.n, len(robot.mimics))
     slotine_li(tree, at, x, dx, dx_r, ddx_r, pi, False, rows)
     wanted = regressor.slotine_li(x, dx, dx_r, ddx_r)
     assert off(rows, wanted) < 1e-12
@@ -91,6 +93,23 @@ def test_regressor_of_shipped_robots_is_pinocchios(name: str) -> None:
 def test_regressor_of_any_tree_is_pinocchios(seed: int) -> None:
     """The same for random trees of revolute and prismatic joints."""
     check_regressor(random_tree(seed), np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_regressor_of_followers_is_that_of_the_reduced_equations(seed: int) -> None:
+    """The same for trees of which joints follow others; Y pi is G^T of the forces of the model where none does."""
+    rng = np.random.default_rng(seed)
+    case = random_coupled(rng, int(rng.integers(2, 9)), serial=True)
+    robot = robot_of(case.model, floating=True)
+    check_regressor(robot, rng)
+    regressor, free = Regressor(robot), Regressor(robot_of(case.full, floating=True))
+    x, dx, ddx, _ = random_coordinates(rng, robot.n)
+    full = np.concatenate([x[:6], case.G[6:, 6:] @ x[6:] + case.shift])
+    wanted = case.G.T @ free.inverse_dynamics(full, case.G @ dx, case.G @ ddx)
+    assert off(regressor.inverse_dynamics(x, dx, ddx), wanted) < 1e-12
+    mass = case.G.T @ free.mass_matrix(full) @ case.G
+    assert off(regressor.mass_matrix(x), mass) < 1e-12
+    assert off(regressor.inertia(x, ddx) @ regressor.parameters, mass @ ddx) < 1e-11
 
 
 def expected_control(

@@ -18,6 +18,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy
 from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState, Vector
 from tests.support.closed_loop import closed_loop, off
+from tests.support.coupled_robots import random_coupled
 from tests.support.robots import random_model, robot_of
 
 PERIOD = 0.25
@@ -26,6 +27,7 @@ ROBOTS = {
     "mini": robot_of(load_robot("mini").model, floating=True),
     "servicer": robot_of(load_robot("servicer").model),
     "arm": robot_of(random_model(np.random.default_rng(4), 5, serial=True), floating=True),
+    "followers": robot_of(random_coupled(np.random.default_rng(6), 7, serial=True).model, floating=True),
 }
 UPDATES = ("none", "rls", "rls_filtered", "lyapunov", "composite")
 

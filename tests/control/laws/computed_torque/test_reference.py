@@ -12,13 +12,15 @@ from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from tests.support.closed_loop import closed_loop, off, random_pair
+from tests.support.coupled_robots import random_coupled
 from tests.support.robots import random_model, robot_of
 
 PERIOD = 0.1
 ROBOTS = [load_robot("mini"), load_robot("servicer")]
 MODELS = [random_model(np.random.default_rng(seed), 3 + seed, serial=True) for seed in range(4)]
 ROBOTS += [robot_of(model, floating=index % 2 == 0) for index, model in enumerate(MODELS)]
-IDS = ["mini", "servicer", "arm 3", "arm 4", "arm 5", "arm 6"]
+ROBOTS.append(robot_of(random_coupled(np.random.default_rng(6), 7, serial=True).model, floating=True))
+IDS = ["mini", "servicer", "arm 3", "arm 4", "arm 5", "arm 6", "followers"]
 
 
 def by_the_reference(law: ComputedTorque, state: RobotState, desired: Reference) -> Vector:

@@ -13,7 +13,6 @@ from space_robot_control.laws.mfac.law import ModelFree
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.references import make_reference
 from space_robot_control.sensing import FilterSpec, Sensing
-from space_robot_control.tracking import tracking_errors
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy
@@ -171,6 +170,6 @@ def test_a_moving_reference_is_not_mistaken_for_motion() -> None:
         goal[3:7] = from_rpy([0.002 * k, 0.0, 0.3 * (k > 10)])
         goal[7] += 0.5 * (k > 5)
         reference = Reference(0, goal, np.zeros(10), np.zeros(10))
-        sensing.update(state, reference, channels.errors(state, tracking_errors(state, reference)))
-        assert np.abs(sensing.moved_sample).max() < 1e-12
+        sensing.update(state, reference)
+        assert np.abs(sensing.memory.moved_sample).max() < 1e-12
         assert sensing.refused.sum() == 0

@@ -15,6 +15,7 @@ from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import ControlOutput, Reference, RobotState
 from tests.support.closed_loop import closed_loop, off, random_pair
+from tests.support.coupled_robots import random_coupled
 from tests.support.robots import random_model, robot_of
 
 PERIOD = 0.25
@@ -29,6 +30,7 @@ ROBOTS = {
     "mini": robot_of(load_robot("mini").model, WIDE | {"base_force": None}, floating=True),
     "servicer": robot_of(load_robot("servicer").model, WIDE),
     "arm": robot_of(random_model(np.random.default_rng(4), 5, serial=True), WIDE),
+    "followers": robot_of(random_coupled(np.random.default_rng(6), 7, serial=True).model, WIDE),
 }
 Ticks = list[tuple[RobotState, Reference, ControlOutput]]
 

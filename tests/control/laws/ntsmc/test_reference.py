@@ -15,6 +15,7 @@ from space_robot_control.references import make_reference
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from tests.support.closed_loop import closed_loop, off, random_pair
+from tests.support.coupled_robots import random_coupled
 from tests.support.robots import arm_model, random_model, robot_of
 
 PERIOD = 0.1
@@ -26,6 +27,7 @@ ROBOTS = {
     "arm": robot_of(arm_model(4)),
     "arm, floating": robot_of(arm_model(4), floating=True),
     "random": robot_of(random_model(np.random.default_rng(2), 5, serial=True)),
+    "followers": robot_of(random_coupled(np.random.default_rng(6), 7, serial=True).model, floating=True),
 }
 LAWS = ("ntsmc", "ntsmc_euler")
 

@@ -13,11 +13,13 @@ from space_robot_control.references import make_reference
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from tests.support.closed_loop import closed_loop, off, random_pair
+from tests.support.coupled_robots import random_coupled
 from tests.support.robots import random_model, robot_of
 
 PERIOD = 0.1
 ROBOTS = [load_robot("mini"), load_robot("servicer"), robot_of(random_model(np.random.default_rng(5), 6, serial=True))]
-IDS = ["mini", "servicer", "arm"]
+ROBOTS.append(robot_of(random_coupled(np.random.default_rng(6), 7, serial=True).model, floating=True))
+IDS = ["mini", "servicer", "arm", "followers"]
 
 
 def pair(robot: Robot, gains: dict[str, Any]) -> tuple[ProportionalDerivative, Pd]:

@@ -28,6 +28,7 @@ class Offers:
         waiting: stamp of the newest state where it waits [ns]; None: it does not.
         offer: says it again.
         readers: of the answers.
+        on_match: called when a node was matched that was not there before.
     """
 
     def __init__(
@@ -35,9 +36,11 @@ class Offers:
         node: GraphNode,
         waiting: Callable[[], int | None],
         offer: Callable[[], None],
-        readers: Sequence[Subscription],
+        readers: Sequence[Subscription] = (),
+        on_match: Callable[[], None] = lambda: None,
     ) -> None:
         self._node, self._waiting, self._offer, self._readers = node, waiting, offer, readers
+        self._on_match = on_match
         self._publishers: Sequence[Publisher] = ()
         self._matched: tuple[int, ...] = ()
         self._seen: int | None = None
@@ -68,6 +71,7 @@ class Offers:
             matched = self._count()
             if any(now > before for now, before in zip(matched, self._matched, strict=False)):
                 self._since, self._tries = self._clock.now(), 0
+                self._on_match()
             stamp, seen = self._waiting(), self._seen
             self._matched, self._seen = matched, stamp
             if stamp is not None and stamp == seen and self._is_due():

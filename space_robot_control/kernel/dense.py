@@ -1,0 +1,159 @@
+"""Small dense matrices with sums of one order: equal bits on every processor, which BLAS does not promise."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from space_robot_description.kernel.jit import inner, kernel
+from space_robot_msgs_py.interfaces import Vector
+
+# Of one-sided Jacobi; it converges quadratically, so that a handful is enough for any matrix.
+MAX_SWEEPS = 60
+EPSILON = float(np.finfo(np.float64).eps)
+
+
+@kernel
+def factor(a: Vector, pivots: npt.NDArray[np.int64]) -> bool:
+    """Replace a (m, m) by its LU factors with row pivoting; False: it has no inverse.
+
+    Args:
+        a: overwritten.
+        pivots: (m,) integers written: the row that each one was exchanged with.
+    """
+    size = a.shape[0]
+    for k in range(size):
+        best = k
+        for i in range(k + 1, size):
+            if abs(a[i, k]) > abs(a[best, k]):
+                best = i
+        pivots[k] = best
+        for j in range(size):
+            a[k, j], a[best, j] = a[best, j], a[k, j]
+        if a[k, k] == 0.0:
+            return False
+        for i in range(k + 1, size):
+            a[i, k] /= a[k, k]
+            for j in range(k + 1, size):
+                a[i, j] -= a[i, k] * a[k, j]
+    return True
+
+
+@kernel
+def solve(factors: Vector, pivots: npt.NDArray[np.int64], b: Vector) -> None:
+    """Replace b (m,) by the x of a x = b, with the factors of a."""
+    size = factors.shape[0]
+    for k in range(size):
+        other = pivots[k]
+        b[k], b[other] = b[other], b[k]
+        for j in range(k):
+            b[k] -= factors[k, j] * b[j]
+    for k in range(size - 1, -1, -1):
+        for j in range(k + 1, size):
+            b[k] -= factors[k, j] * b[j]
+        b[k] /= factors[k, k]
+
+
+@kernel
+def excess_of(a: Vector, least: float, work: Vector) -> float:
+    """Return least^2 - s^2 of the smallest singular value s of a (m, m) where s < least, else 0.
+
+    Args:
+        a: the matrix.
+        least: lower bound of s.
+        work: (m, m) overwritten.
+    """
+    if _surely_above(a, least, work):
+        return 0.0
+    smallest = smallest_singular_value(a, work)
+    return least * least - smallest * smallest if smallest < least else 0.0
+
+
+@kernel
+def smallest_singular_value(a: Vector, work: Vector) -> float:
+    """Return the smallest singular value of a (m, m) by one-sided Jacobi; ``work`` (m, m) is overwritten.
+
+    Reference: Demmel and Veselic, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. 13(4), 1992.
+    """
+    _turn(a, work)
+    smallest = _product(work[0], work[0])
+    for i in range(1, a.shape[0]):
+        smallest = min(smallest, _product(work[i], work[i]))
+    return math.sqrt(smallest)
+
+
+@kernel
+def largest_singular_value(a: Vector, work: Vector) -> float:
+    """Return the largest singular value of a (m, m), which of a positive definite one is its largest eigenvalue."""
+    _turn(a, work)
+    largest = 0.0
+    for i in range(a.shape[0]):
+        largest = max(largest, _product(work[i], work[i]))
+    return math.sqrt(largest)
+
+
+@inner
+def _turn(a: Vector, work: Vector) -> None:
+    """Write the columns of a as rows of ``work``, turned until all are at right angles."""
+    size = a.shape[0]
+    for i in range(size):
+        for j in range(size):
+            work[i, j] = a[j, i]
+    turned, sweeps = True, 0
+    while turned and sweeps < MAX_SWEEPS:
+        turned, sweeps = False, sweeps + 1
+        for i in range(size):
+            for j in range(i + 1, size):
+                turned = _orthogonal(work[i], work[j]) or turned
+
+
+@inner
+def _orthogonal(x: Vector, y: Vector) -> bool:
+    """Turn two rows in their plane until they are at right angles; False: they were."""
+    xx, yy, xy = _product(x, x), _product(y, y), _product(x, y)
+    if not abs(xy) > EPSILON * math.sqrt(xx * yy):
+        return False
+    ratio = (yy - xx) / (2.0 * xy)
+    tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
+    c = 1.0 / math.sqrt(1.0 + tangent * tangent)
+    s = c * tangent
+    for k in range(x.shape[0]):
+        x[k], y[k] = c * x[k] - s * y[k], s * x[k] + c * y[k]
+    return True
+
+
+@inner
+def _surely_above(a: Vector, least: float, work: Vector) -> bool:
+    """True only if the smallest singular value is above a bound: a^T a - bound^2 has a Cholesky factor."""
+    size, trace = a.shape[0], 0.0
+    for i in range(size):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(size):
+                total += a[k, i] * a[k, j]
+            work[i, j] = total
+        trace += work[i, i]
+    # More than what rounding makes of the differences below.
+    shift = least * least + 100.0 * size * EPSILON * trace
+    for j in range(size):
+        pivot = work[j, j] - shift
+        for k in range(j):
+            pivot -= work[j, k] * work[j, k]
+        if not pivot > 0.0:
+            return False
+        work[j, j] = math.sqrt(pivot)
+        for i in range(j + 1, size):
+            for k in range(j):
+                work[i, j] -= work[i, k] * work[j, k]
+            work[i, j] /= work[j, j]
+    return True
+
+
+@inner
+def _product(x: Vector, y: Vector) -> float:
+    total = 0.0
+    for k in range(x.shape[0]):
+        total += x[k] * y[k]
+    return total

@@ -1,0 +1,1 @@
+"""Damped hold in plain scalar code."""

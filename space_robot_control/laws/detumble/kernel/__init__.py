@@ -1,0 +1,1 @@
+"""Detumble in plain scalar code."""

@@ -1,0 +1,1 @@
+"""Linear quadratic regulator on the sampled linear model of the posture."""

@@ -1,0 +1,1 @@
+"""The model-free law in plain scalar code."""

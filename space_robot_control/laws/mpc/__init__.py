@@ -1,0 +1,1 @@
+"""Linear model predictive control with the limits of the actuators."""

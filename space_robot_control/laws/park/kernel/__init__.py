@@ -1,0 +1,1 @@
+"""Park in plain scalar code."""

@@ -1,0 +1,1 @@
+"""The PD law in plain scalar code."""

@@ -1,0 +1,1 @@
+"""Arm motion that does not turn its base."""

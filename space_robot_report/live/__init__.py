@@ -1,0 +1,1 @@
+"""A run while it goes on: shown by a process beside it, to browsers and to Foxglove."""

@@ -1,0 +1,1 @@
+"""The motion of a robot with a grasp in plain scalar code."""

@@ -1,0 +1,146 @@
+"""Results as they are kept: a row per law, task and point, with every held-out draw, and where it came from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from space_robot_bringup.compose.composition import versions
+from space_robot_control.laws.registry import law_class
+from space_robot_control.laws.source import source_of
+from space_robot_msgs_py.atomic_file import write_atomically
+from space_robot_msgs_py.errors import LogError, SpaceRobotError, SpecError
+from space_robot_studies.benchmark.spec import Benchmark
+from space_robot_studies.compare.comparison import METRICS
+from space_robot_studies.engine.storage import guarded
+from space_robot_studies.tune.outcome import StandResult
+from space_robot_studies.tune.ranking import Evaluation
+from space_robot_studies.tune.spec import Tuning
+
+# References that come to rest somewhere else: what settled means is defined there alone.
+ARRIVING = ("step", "quintic", "waypoints", "end_effector")
+KEPT = ("objective", "end_reason", "excess", *METRICS)
+MAX_BYTES = 100_000_000
+FORM = ("law", "task", "point", "settles", "overfitted", "shipped", "tuned")
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows that were made under the same rules.
+
+    Attributes:
+        identity: see ``Benchmark.identity``.
+        rows: by task, point and law, in the order in which they were entered.
+    """
+
+    identity: Mapping[str, Any]
+    rows: tuple[Mapping[str, Any], ...] = ()
+
+    def with_rows(self, rows: Sequence[Mapping[str, Any]]) -> Table:
+        """These rows entered; those of the same law, task and point are replaced."""
+        found = {key_of(row): row for row in self.rows} | {key_of(row): row for row in rows}
+        return Table(self.identity, tuple(found.values()))
+
+    def write(self, path: Path) -> None:
+        """Keep it.
+
+        Raises:
+            LogError: it cannot be written.
+        """
+        data = {**self.identity, "rows": list(self.rows)}
+        with guarded(path.parent):
+            write_atomically(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
+
+
+def key_of(row: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Task, point and law of a row."""
+    return row["task"], json.dumps(row["point"], sort_keys=True), row["law"]
+
+
+def read_table(path: Path, benchmark: Benchmark) -> Table:
+    """The table in a file that rows of this benchmark may be entered in; an empty one where there is no file.
+
+    Raises:
+        SpecError: it is none, or one of other tasks or rules.
+        LogError: it cannot be read.
+    """
+    identity = benchmark.identity()
+    with guarded(path.parent):
+        if not path.exists():
+            return Table(identity)
+        if path.stat().st_size > MAX_BYTES:
+            raise LogError("too large for a table", key=str(path), accepted=f"at most {MAX_BYTES} bytes")
+        text = path.read_text(encoding="utf-8")
+    try:
+        data = json.loads(text)
+        rows = tuple(data.pop("rows"))
+        complete = all(set(FORM) <= row.keys() for row in rows)
+    except (ValueError, KeyError, TypeError, AttributeError):
+        complete = False
+    if not complete:
+        raise SpecError("is no table of a benchmark", key="--table", value=str(path), accepted="one, or a new file")
+    if different := [name for name, value in identity.items() if data.get(name) != value]:
+        what = f"was made under other rules (not the same: {', '.join(different)})"
+        raise SpecError(what, key="--table", value=str(path), accepted="a table of this benchmark, or a new file")
+    return Table(identity, rows)
+
+
+def first_table(path: Path, file: Path, benchmark: Benchmark) -> Table:
+    """The table in a file; where there is none, that beside the benchmark file if it was made under the same rules.
+
+    Args:
+        path: of the table.
+        file: of the benchmark; ``v1.yaml`` has its results in ``v1.json``.
+        benchmark: whose rows are to be entered.
+
+    Raises:
+        SpaceRobotError: see ``read_table``.
+    """
+    if path.exists():
+        return read_table(path, benchmark)
+    try:
+        return read_table(file.with_suffix(".json"), benchmark)
+    except SpecError:
+        # A short part, or a set of the user's own beside something else.
+        return Table(benchmark.identity())
+
+
+def row_of(task: str, tuning: Tuning, stand: StandResult) -> dict[str, Any]:
+    """What is kept of a law at a point of a task; the tuning is resolved."""
+    experiment = tuning.experiment
+    reference = experiment["reference"] if isinstance(experiment, dict) else {}
+    return {
+        "law": stand.name,
+        "task": task,
+        "point": dict(stand.labels),
+        "settles": reference.get("kind") in ARRIVING,
+        "class": stand.law.law,
+        "source_sha256": _digest(stand.law.law),
+        "given": {"gains": dict(stand.law.gains), "ranges": _ranges(stand)},
+        "gains": dict(stand.best.gains),
+        "edge": list(stand.at_the_edge),
+        "overfitted": stand.overfitted,
+        "shipped": _draws(stand.held_out_shipped),
+        "tuned": _draws(stand.held_out_best),
+        "versions": versions(),
+    }
+
+
+def _ranges(stand: StandResult) -> dict[str, Any]:
+    return {name: [one.low, one.high, one.scale] for name, one in stand.ranges.items()}
+
+
+def _draws(one: Evaluation) -> list[dict[str, Any]]:
+    return [{name: draw.get(name) for name in KEPT} for draw in one.draws]
+
+
+def _digest(law: str) -> str | None:
+    """Of the file of a custom law."""
+    try:
+        source = source_of(law_class(law))
+    except SpaceRobotError:
+        return None
+    return None if source is None else source.digest

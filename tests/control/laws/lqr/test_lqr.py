@@ -1,0 +1,97 @@
+"""LQR: it is its reference, its gain is SciPy's, its sampled loop is stable whatever is accepted, and it tracks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_discrete_are
+
+from space_robot_control.laws.lqr.law import Lqr
+from space_robot_control.laws.lqr.linear_model import make_design
+from space_robot_control.laws.lqr.reference import Lqr as OnOneScreen
+from space_robot_control.laws.lqr.riccati import solve_riccati
+from space_robot_control.nominal_model import NominalModel
+from space_robot_control.references import make_reference
+from space_robot_description.robot import Robot
+from space_robot_msgs_py.errors import ControlError
+from tests.support.at_rest import IDS, ROBOTS
+from tests.support.closed_loop import closed_loop, off, random_pair
+
+
+def pair(robot: Robot, period: float, **gains: Any) -> tuple[Lqr, OnOneScreen]:
+    """The law and its reference, of the same gains."""
+    law, floating = Lqr(robot, period, Lqr.Gains(gyroscopic=False, **gains)), robot.base_mode == "free_floating"
+    first, g = 3 if floating else 0, law.gains
+    assert isinstance(g.joint_error, float)
+    error = np.concatenate([np.full(6 - first, g.base_error), np.full(robot.n, g.joint_error)])
+    return law, OnOneScreen(
+        robot.model, period, error=error, tau=g.time, effort=law._effort, step=g.posture_step, floating=floating
+    )
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=IDS)
+def test_it_equals_its_reference_in_random_states(robot: Robot) -> None:
+    """Commands agree to 1e-10 of the largest entry: K is the limit of two different iterations."""
+    rng = np.random.default_rng(1)
+    for _ in range(6):
+        base, joint, time = np.exp(rng.uniform(np.log([0.01, 0.01, 0.5]), np.log([1.0, 1.0, 10.0]))).tolist()
+        law, reference = pair(robot, rng.uniform(0.1, 1.0), base_error=base, joint_error=joint, time=time)
+        for stamp in range(2):
+            state, desired = random_pair(rng, robot.n, stamp)
+            expected = reference.update(state.q, state.v, desired.q, desired.v, desired.a)
+            assert off(law.update(state, desired).command.u, expected) < 1e-10
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=IDS)
+def test_it_equals_its_reference_in_a_closed_loop_and_computes_a_gain_per_posture(robot: Robot) -> None:
+    """Over a motion of 20 deg K is computed again after every ``posture_step``, in both at the same ticks."""
+    law, reference = pair(robot, 0.25)
+    q = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *robot.home])
+    goal = {"kind": "quintic", "duration": 5.0, "attitude_deg": [20, -10, 30], "joints_by_deg": 20}
+    ticks = closed_loop(law, robot, make_reference(goal, robot, q), q, 30)
+    found = np.array([output.command.u for _, _, output in ticks])
+    expected = [reference.update(state.q, state.v, desired.q, desired.v, desired.a) for state, desired, _ in ticks]
+    assert off(found, expected) < 1e-10
+    assert 3 <= ticks[-1][2].telemetry["designs"][0] <= 5
+    assert np.abs(ticks[-1][2].telemetry["joint_error"]).max() < 5e-3
+
+
+@pytest.mark.parametrize("robot", ROBOTS[:2], ids=IDS[:2])
+def test_the_gain_solves_the_riccati_equation_as_scipy_does(robot: Robot) -> None:
+    """X is that of ``scipy.linalg.solve_discrete_are`` to 1e-7 of its largest entry, from stiff to soft."""
+    q = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *robot.home])
+    for error, period in ((0.001, 1.0), (0.1, 0.25), (10.0, 0.1)):
+        law, _ = pair(robot, period, base_error=error, joint_error=error)
+        design = make_design(NominalModel(robot), q, period, law._accepted)
+        s, m = design.b.shape
+        X = solve_discrete_are(design.a, design.b, np.identity(s), np.identity(m))
+        np.testing.assert_allclose(design.cost, X, rtol=0.0, atol=1e-7 * np.abs(X).max())
+
+
+@pytest.mark.parametrize("end", ["low", "high"])
+@pytest.mark.parametrize("period", [0.1, 1.0])
+def test_the_sampled_loop_is_stable_at_both_ends_of_every_range(end: str, period: float) -> None:
+    """Whatever ``space-robot tune`` may try, the poles of the nominal loop lie inside the unit circle."""
+    robot = ROBOTS[1]
+    law, _ = pair(robot, period, **{name: getattr(one, end) for name, one in Lqr.gain_ranges.items()})
+    q = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *robot.home])
+    assert make_design(NominalModel(robot), q, period, law._accepted).radius < 1.0
+
+
+def test_a_mode_that_no_input_reaches_is_an_error() -> None:
+    """SciPy and others answer an integrator without an input with a gain of zero; here it is refused."""
+    with pytest.raises(ControlError, match=r"Riccati|stabilise"):
+        solve_riccati(np.array([[1.0, 0.0], [0.0, 0.5]]), np.array([[0.0], [1.0]]))
+
+
+def test_other_accepted_errors_act_from_the_next_update_on() -> None:
+    """A change during a run makes the command that of a new law with these gains."""
+    robot, rng = ROBOTS[0], np.random.default_rng(3)
+    law, (state, desired) = Lqr(robot, 0.25, Lqr.Gains(gyroscopic=False)), random_pair(rng, robot.n, 0)
+    law.update(state, desired)
+    law.tune({"gains.base_error": 0.01})
+    later, wanted = random_pair(rng, robot.n, 1)
+    fresh = Lqr(robot, 0.25, Lqr.Gains(base_error=0.01, gyroscopic=False)).compute(later, wanted)[0]
+    np.testing.assert_array_equal(law.compute(later, wanted)[0], fresh)
