@@ -6,7 +6,7 @@ from importlib import import_module
 
 FILES = {
     "run_command": ("run",),
-    "study_commands": ("campaign", "compare", "tune", "reproduce"),
+    "study_commands": ("campaign", "compare", "tune", "benchmark", "reproduce"),
     "view_commands": ("report", "view", "plot", "video", "export"),
     "log_commands": ("replay", "info", "events", "recover"),
     "prepare_commands": ("check", "new", "list", "robot", "schema"),
