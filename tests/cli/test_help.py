@@ -8,7 +8,7 @@ from importlib.metadata import version
 import pytest
 
 from space_robot_cli.app import app
-from space_robot_cli.commands import load_commands
+from space_robot_cli.commands import FILES, load_commands
 from space_robot_cli.panels import OTHERS, PANELS
 from space_robot_control.laws import law_class, law_names
 from tests.support.tool import Tool
@@ -31,6 +31,17 @@ def test_every_command_is_in_a_panel_and_said_in_a_line(space_robot: Tool) -> No
         assert len(summary) <= SUMMARY
         assert summary.endswith(".")
         assert not summary.endswith("...")
+
+
+def test_a_command_is_made_by_the_file_it_stands_in() -> None:
+    """That file alone is loaded for it."""
+    load_commands()
+    made: dict[str, set[str]] = {}
+    for command in app.registered_commands:
+        assert command.callback is not None
+        file = command.callback.__module__.removeprefix("space_robot_cli.")
+        made.setdefault(file, set()).add(command.name or command.callback.__name__)
+    assert made == {file: set(names) for file, names in FILES.items()}
 
 
 def test_the_tool_says_its_version(space_robot: Tool) -> None:
@@ -105,9 +116,10 @@ def test_what_completion_offers_is_what_is_accepted() -> None:
     from space_robot_cli.catalogue import EXPLAINED, catalogue
     from space_robot_cli.kinds import FOLDERS
     from space_robot_cli.new import KINDS as STARTED
-    from space_robot_cli.prepare_commands import FILES, LISTED, STARTS
+    from space_robot_cli.prepare_commands import FILES as CHECKED
+    from space_robot_cli.prepare_commands import LISTED, STARTS
 
-    assert {"list": set(LISTED), "files": set(FILES), "new": set(STARTS)} == {
+    assert {"list": set(LISTED), "files": set(CHECKED), "new": set(STARTS)} == {
         "list": {*catalogue(), *EXPLAINED},
         "files": set(FOLDERS),
         "new": set(STARTED),
