@@ -19,9 +19,6 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
 from space_robot_sim.capture import RobotChange, free_body
 from space_robot_sim.faults.plan import FaultPlan
-from space_robot_sim.grasp.airbearing import AirbearingTestbed
-from space_robot_sim.grasp.captured import CapturedDebris, capability
-from space_robot_sim.grasp.plant import grasp_joints, whole_steps
 from space_robot_sim.initial import InitialState, RunConditions
 from space_robot_sim.sensor_rule import check_sensors
 from space_robot_sim.spec import HoldFor, fixed_steps, method
@@ -68,7 +65,7 @@ class PlantKind:
 
 
 def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
-    # Imported only here: what needs no plant does not wait for its compiler.
+    # Here as below: what needs no plant, or another one, does not wait for its compiler.
     from space_robot_sim.plant import SimulatedRobot
 
     return SimulatedRobot(
@@ -134,10 +131,14 @@ def _check_articulated(spec: PlantSpec, truth: Robot, period: int) -> None:
 
 
 def _airbearing(spec: AirbearingPlant, parts: PlantParts) -> Plant:
+    from space_robot_sim.grasp.airbearing import AirbearingTestbed
+
     return AirbearingTestbed(parts.truth, spec, _conditions(spec, parts))
 
 
 def _pccs(spec: CapturedPlant, parts: PlantParts) -> Plant:
+    from space_robot_sim.grasp.captured import CapturedDebris
+
     return CapturedDebris(parts.truth, spec, _conditions(spec, parts))
 
 
@@ -151,12 +152,17 @@ def _no_changes(spec: PlantTiming, truth: Robot, control_period: float) -> Chang
 
 
 def _check_airbearing(spec: AirbearingPlant, truth: Robot, period: int) -> None:
+    from space_robot_sim.grasp.plant import grasp_joints, whole_steps
+
     grasp_joints(truth, spec.grasp)
     whole_steps(period, spec.step, "control_period")
     whole_steps(round(spec.camera.delay * NANOSECONDS), spec.step, "plant.camera.delay")
 
 
 def _check_pccs(spec: CapturedPlant, truth: Robot, period: int) -> None:
+    from space_robot_sim.grasp.captured import capability
+    from space_robot_sim.grasp.plant import grasp_joints, whole_steps
+
     grasp_joints(truth, spec.grasp)
     capability(truth, spec)
     whole_steps(period, spec.step, "control_period")
