@@ -18,7 +18,6 @@ COORDINATE, MULTIPLIER, OFFSET, COUPLING_SIZE = constants(0, 1, 2, 3)
 # Factors of the offset: a position has it, a rate has not.
 POSITION, RATE = 1.0, 0.0
 
-MIMIC = "JointModelMimic"
 NOTHING_COUPLED: npt.NDArray[np.float64] = np.zeros((0, 3))
 
 

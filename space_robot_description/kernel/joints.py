@@ -8,9 +8,11 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from space_robot_description.kernel.coupling import MIMIC
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+
+# As Pinocchio calls it. Here, where no compiler is loaded: `robot` and `info` look at axes and run nothing.
+MIMIC = "JointModelMimic"
 
 
 def joint_axes(model: Any) -> tuple[Vector, npt.NDArray[np.bool_]]:
