@@ -24,7 +24,8 @@ STAY_OUT = {
     "robot servicer": {*COMPILER, *LOGS, *GRAPH},
     "schema": {*COMPILER, *LOGS, *GRAPH},
     "check giordano2023/sec5": {*COMPILER, *LOGS, *GRAPH},
-    "info tests/data/golden/adaptive_mini": {*COMPILER, *GRAPH},
+    # Its verdict needs the plants, and with them the compiler.
+    "info tests/data/golden/adaptive_mini": GRAPH,
 }
 # A fork per command: the process before it has loaded what Python itself loads.
 PROGRAM = """
