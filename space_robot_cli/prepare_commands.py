@@ -15,7 +15,7 @@ from space_robot_cli.app import BAD_INPUT, FaultOption, JsonOption, SetOption, a
 from space_robot_cli.completion import choices, shipped_names
 from space_robot_msgs_py.errors import SpaceRobotError
 
-LISTED = ("experiments", "papers", "campaigns", "tuning", "supervision", "robots", "laws", "faults")
+LISTED = ("experiments", "papers", "campaigns", "tuning", "benchmarks", "supervision", "robots", "laws", "faults")
 FILES, STARTS = ("experiment", "campaign", "paper"), ("experiment", "law", "robot", "study")
 
 
