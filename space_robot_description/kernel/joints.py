@@ -11,6 +11,7 @@ import pinocchio as pin
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 
+# As Pinocchio calls it. Here, where no compiler is loaded: `robot` and `info` look at axes and run nothing.
 MIMIC = "JointModelMimic"
 
 
