@@ -13,16 +13,18 @@ pytest.importorskip("rclpy")
 from space_robot_bringup.compose.composition import compose
 from space_robot_bringup.modes.context import private_context
 from space_robot_bringup.modes.graph import LIGHT, make_node
+from space_robot_bringup.nodes.arguments import Start
 from space_robot_bringup.nodes.docs import TABLE, documented, parameters_page
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_sim.nodes.recorder import RecorderNode
+from space_robot_sim.nodes.services import STEP_COUNT
 from tests.support.paths import ROOT
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 PAGE = (ROOT / "docs" / "parameters.md").read_text(encoding="utf-8")
 # Given by the process that a node runs in.
-STARTED_WITH = {"experiment", "out", "overwrite", "set", "record", "realtime", "autostart", "patience"}
+STARTED_WITH = set(Start.model_fields) - {STEP_COUNT}
 OF_ROS = {"use_sim_time", "start_type_description_service"}
 
 
