@@ -74,7 +74,8 @@ def test_a_value_that_is_not_there_holds_nothing(seed: int) -> None:
     values = [None if rng.random() < 0.2 else float(rate) for rate in rng.choice(RATES, 60)]
     monitor = Monitor(spec)
     for _ in range(2):
-        edges = [(tick, edge) for tick, value in enumerate(values) if (edge := monitor.look(value)) is not None]
+        pairs = enumerate(zip([None, *values], values, strict=False))
+        edges = [(tick, edge) for tick, (before, value) in pairs if (edge := monitor.look(before, value)) is not None]
         assert edges == by_definition(spec, values)
         monitor.reset()
 
@@ -85,9 +86,8 @@ def test_a_mode_that_is_entered_again_counts_from_zero_but_not_the_times() -> No
         {"name": "a", "value": "b", "above": 1.0, "for": 2, "times": 2, "inhibit_after": 1}
     )
     monitor = Monitor(spec)
-    assert [monitor.look(value) for value in (2.0, 2.0)] == [None, "fires"]
+    assert [monitor.look(None, value) for value in (2.0, 2.0)] == [None, "fires"]
     monitor.enter()
-    assert monitor.seen is None
-    assert [monitor.look(value) for value in (2.0, 2.0, 2.0)] == [None, None, "fires"]
+    assert [monitor.look(None, value) for value in (2.0, 2.0, 2.0)] == [None, None, "fires"]
     monitor.enter()
-    assert [monitor.look(value) for value in (2.0,) * 5] == [None] * 5
+    assert [monitor.look(None, value) for value in (2.0,) * 5] == [None] * 5

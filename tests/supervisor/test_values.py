@@ -12,7 +12,8 @@ from space_robot_description.actuation import command_limit
 from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import SpecError
-from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Telemetry, Vector
+from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Telemetry
+from space_robot_supervisor.reader import Reader
 from space_robot_supervisor.values import COUNTS, Snapshot, value_of, values_of
 from tests.support.robots import arm_model, robot_of
 
@@ -65,28 +66,32 @@ def formulas(robot: Robot, now: Snapshot) -> dict[str, float]:
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
 def test_every_value_is_its_formula(robot: Robot) -> None:
     """There are no others, and in random states each is what its name says."""
-    limit = command_limit(robot)
+    known = values_of(robot)
+    reader = Reader(list(known.values()), robot, command_limit(robot))
     for seed in range(20):
         now = random_snapshot(robot, seed)
-        read = {name: value(now) for name, value in values_of(robot, limit).items()}
+        reader.read(now)
+        read = {name: number for name, (_, number) in zip(known, reader.found, strict=True)}
         assert read == pytest.approx(formulas(robot, now), abs=1e-12)
 
 
 def test_a_joint_without_limits_has_no_margin() -> None:
     """Of joints with one limit the other side counts nothing; of none there is no such value."""
     lower, upper = np.array([-1.0, -np.inf, -np.inf]), np.array([np.inf, 2.0, np.inf])
-    some = values_of(robot_of(arm_model(3), lower=lower, upper=upper), np.full(9, np.inf))["joints.margin"]
+    robot = robot_of(arm_model(3), lower=lower, upper=upper)
+    some = Reader([values_of(robot)["joints.margin"]], robot, np.full(9, np.inf))
 
     def margin(*joints: float) -> float | None:
         q = np.array([0, 0, 0, 0, 0, 0, 1.0, *joints])
         zero = np.zeros(9)
-        return some(Snapshot(RobotState(0, q, zero, np.zeros(3), np.zeros(3)), Reference(0, q, zero, zero)))
+        some.read(Snapshot(RobotState(0, q, zero, np.zeros(3), np.zeros(3)), Reference(0, q, zero, zero)))
+        return some.found[0][1]
 
     assert margin(-0.75, 0.0, 9.0) == 0.25
     assert margin(50.0, 1.5, -9.0) == 0.5
     assert margin(0.0, 2.5, 0.0) == -0.5
     free = robot_of(arm_model(3), lower=np.full(3, -np.inf), upper=np.full(3, np.inf))
-    assert "joints.margin" not in values_of(free, np.full(9, np.inf))
+    assert "joints.margin" not in values_of(free)
 
 
 def still(telemetry: Telemetry | None = None, **keys: dict[str, int]) -> Snapshot:
@@ -99,7 +104,14 @@ def still(telemetry: Telemetry | None = None, **keys: dict[str, int]) -> Snapsho
 
 def reader(name: str, labels: tuple[str, ...] = ("a", "b.0", "c"), **keys: bool) -> Callable[[Snapshot], float | None]:
     """A value of ``mini`` with this telemetry."""
-    return value_of(name, ROBOTS["mini"], labels, command_limit(ROBOTS["mini"]), "key", **keys)
+    robot = ROBOTS["mini"]
+    one = Reader([value_of(name, robot, labels, "key", **keys)], robot, command_limit(robot))
+
+    def read(now: Snapshot) -> float | None:
+        one.read(now)
+        return one.found[0][1]
+
+    return read
 
 
 def test_telemetry_is_read_by_label_wherever_it_stands() -> None:
@@ -166,17 +178,8 @@ def test_a_robot_without_joints_has_still_joints() -> None:
     """Their largest rate and error are 0."""
     model = arm_model(0)
     robot = robot_of(model, {"joints": {"effort": 1.0}})
-    values = values_of(robot, command_limit(robot))
+    one = Reader([values_of(robot)[name] for name in ("joints.rate", "error.joints")], robot, command_limit(robot))
     q, v = np.array([0, 0, 0, 0, 0, 0, 1.0]), np.ones(6)
     now = Snapshot(RobotState(0, q, v, np.zeros(0), np.zeros(3)), Reference(0, q, v, v))
-    assert (values["joints.rate"](now), values["error.joints"](now)) == (0.0, 0.0)
-
-
-def test_a_snapshot_has_the_numbers_of_its_state() -> None:
-    """As lists of floats, which are what the readers take."""
-    now = random_snapshot(ROBOTS["mini"], 1)
-    lists: tuple[tuple[list[float], Vector], ...] = (
-        (now.q, now.state.q), (now.v, now.state.v), (now.q_d, now.reference.q)
-    )  # fmt: skip
-    for mine, wanted in lists:
-        assert mine == wanted.tolist()
+    one.read(now)
+    assert [number for _, number in one.found] == [0.0, 0.0]
