@@ -13,7 +13,8 @@ from space_robot_description.validation import parse_yaml_text, validate
 from tests.support.paths import ROOT
 
 TEXT = (ROOT / "docs" / "robots.md").read_text(encoding="utf-8")
-ROBOT_FILE, MODEL_FILE = re.findall(r"```yaml\n(.*?)```", TEXT, re.DOTALL)
+TORQUE = {"kind": "thrusters", "limit": [20, 20, 20]}
+ROBOT_FILE, ARMS, MODEL_FILE = re.findall(r"```yaml\n(.*?)```", TEXT, re.DOTALL)
 
 
 def test_the_robot_file_of_the_docs_loads() -> None:
@@ -23,6 +24,15 @@ def test_the_robot_file_of_the_docs_loads() -> None:
     assert dict(zip(robot.joint_names, robot.effort_limit.tolist(), strict=True))["wrist_1_joint"] == 20.0
     assert dict(zip(robot.joint_names, robot.effort_limit.tolist(), strict=True))["elbow_joint"] == 150.0
     assert "arm_base_link" in robot.urdf
+
+
+def test_the_arms_of_the_docs_stand_on_one_satellite() -> None:
+    """The sections to copy make a robot of two arms that are the reader's own, here the servicing arm twice."""
+    text = ARMS.replace("my_arm.urdf", "servicing_arm.urdf").replace("hand", "link7")
+    rest = {"name": "two_arms", "description": "two arms", "base_mode": "free_floating"}
+    robot = load_robot(parse_yaml_text(text, "docs") | rest | {"actuators": {"joints": {}, "base_torque": TORQUE}})
+    assert robot.n == 14
+    assert robot.tools == {"left": "left_tool", "right": "right_link7", "camera": "left_link4"}
 
 
 def test_payload_and_dispersion_of_the_docs_work() -> None:

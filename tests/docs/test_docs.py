@@ -29,7 +29,7 @@ DOCS = sorted([*(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "laws").glob("*.
 # A tutorial is followed in its order by test_tutorial.py.
 PAGES = {page.name: page.read_text(encoding="utf-8") for page in DOCS if not page.name.startswith("tutorial")}
 EXAMPLES = {page.name: page.read_text(encoding="utf-8") for page in sorted((ROOT / "examples").glob("*.py"))}
-# Robot files are loaded by tests/description/test_examples_of_docs.py.
+# Robot files, and arms of one, are loaded by tests/description/test_examples_of_docs.py.
 KINDS = {
     "manifest": "figures",
     "campaign": "runs",
@@ -38,10 +38,12 @@ KINDS = {
     "experiment": "control_period",
     "sections": "reference",
     "robot": "base_mode",
+    "arms": "arms",
     "variant": "base",
     "model": "payload",
     "faults": "faults",
     "supervision": "supervision",
+    "plant": "plant",
 }
 # Pages whose commands need those before them.
 IN_ORDER = ("benchmark.md", "campaigns.md", "compare.md", "replay.md", "tuning.md", "view.md")
@@ -83,10 +85,12 @@ def test_experiments_run_and_pass(tmp_path: Path, text: str) -> None:
     assert result.passed is not False, result.checks
 
 
-@pytest.mark.parametrize("text", yaml_blocks("sections"), ids=lambda text: text.splitlines()[1].strip())
+@pytest.mark.parametrize(
+    "text", [*yaml_blocks("sections"), *yaml_blocks("plant")], ids=lambda text: text.splitlines()[1].strip()
+)
 def test_sections_fit_an_experiment(text: str) -> None:
     """Sections copied from a page into an experiment compose."""
-    base = {"robot": "mini", "control_period": 0.1, "duration": 1.0}
+    base = {"robot": "mini", "control_period": 0.1, "duration": 1.0, "reference": {"kind": "hold"}}
     experiment = experiment_from(base | parse_yaml_text(text, "docs"), "docs")
     assert compose(experiment).experiment.reference.kind in text
 
