@@ -28,7 +28,7 @@ def test_the_robot_file_of_the_docs_loads() -> None:
 
 def test_the_arms_of_the_docs_stand_on_one_satellite() -> None:
     """The sections to copy make a robot of two arms that are the reader's own, here the servicing arm twice."""
-    text = ARMS.replace("my_arm.urdf", "servicing_arm.urdf").replace("hand", "link7")
+    text = ARMS.replace("my_arm.urdf", str(ROOT / "config/robots/servicing_arm.urdf")).replace("hand", "link7")
     rest = {"name": "two_arms", "description": "two arms", "base_mode": "free_floating"}
     robot = load_robot(parse_yaml_text(text, "docs") | rest | {"actuators": {"joints": {}, "base_torque": TORQUE}})
     assert robot.n == 14
