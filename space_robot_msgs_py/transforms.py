@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite
 
 import numpy as np
@@ -24,7 +24,7 @@ class FrameTransforms:
 
     Args:
         urdf: the robot, as it is on ``robot_description``.
-        joint_names: the robot's joints in model order; all other joints stand still.
+        joint_names: the robot's joints in model order; of all others those move that follow one of them by ``<mimic>``.
 
     Attributes:
         static: the message on ``/tf_static``; None where no joint is fixed.
@@ -32,10 +32,14 @@ class FrameTransforms:
 
     def __init__(self, urdf: str, joint_names: Sequence[str]) -> None:
         root, joints = read_frames(urdf)
-        fixed = [joint for joint in joints.values() if joint.name not in joint_names]
-        moving = [joints[name] for name in joint_names if name in joints]
-        known = [index for index, name in enumerate(joint_names) if name in joints]
-        self._index = known if len(known) < len(joint_names) else slice(None)
+        leading = [joints[name] for name in joint_names if name in joints]
+        following = _followers(joints, joint_names)
+        moving = [*leading, *following]
+        moved = {joint.name for joint in moving}
+        fixed = [joint for joint in joints.values() if joint.name not in moved]
+        index = [joint_names.index(joint.follows if joint in following else joint.name) for joint in moving]
+        self._index = slice(None) if index == list(range(len(joint_names))) else index
+        self._ways = _ways(len(leading), following)
         self._states = StateCodec(joint_names)
         pairs = [(INERTIAL, root or ""), *((joint.parent, joint.child) for joint in moving)]
         self._form = _Form(tf_message(TF.name, pairs)) if root else None
@@ -63,6 +67,8 @@ class FrameTransforms:
             return None
         constant, linear, cosine, sine = self._basis
         half = (0.5 * joints)[self._index].reshape(-1, 1)
+        if self._ways is not None:
+            half = self._ways[0] * half + self._ways[1]
         # A rotation about a fixed axis is linear in the cosine and the sine of its half angle.
         places = np.cos(half) * cosine
         places += np.sin(half) * sine
@@ -93,6 +99,29 @@ class _Form:
         message[self._places] = places
         message.view(np.int32)[self._stamps] = np.frombuffer(stamp, dtype=np.int32)
         return ENCAPSULATION + message.tobytes()
+
+
+def _followers(joints: Mapping[str, FrameJoint], names: Sequence[str]) -> list[FrameJoint]:
+    """The joints that follow one of these names, each with what it makes of that one's position."""
+    found = []
+    for joint in joints.values():
+        # No chain is longer than there are joints; a circle leads nowhere.
+        for _ in range(len(joints)):
+            if joint.name in names or joint.follows in names or joint.follows not in joints:
+                break
+            joint = joint.after(joints[joint.follows])
+        if joint.name not in names and joint.follows in names:
+            found.append(joint)
+    return found
+
+
+def _ways(leading: int, following: Sequence[FrameJoint]) -> tuple[Vector, Vector] | None:
+    """Two (n, 1) arrays, what half of a position is multiplied with and what is added; None where nothing follows."""
+    if not following:
+        return None
+    multiplier = [1.0] * leading + [joint.multiplier for joint in following]
+    offset = [0.0] * leading + [0.5 * joint.offset for joint in following]
+    return np.array(multiplier).reshape(-1, 1), np.array(offset).reshape(-1, 1)
 
 
 def _basis(joints: Sequence[FrameJoint]) -> tuple[Vector, Vector, Vector, Vector]:

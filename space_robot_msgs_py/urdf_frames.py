@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, inf, sin
 from xml.etree import ElementTree as ET
 
@@ -24,6 +24,9 @@ class FrameJoint:
         rotation: (4,) quaternion x, y, z, w of the child in the parent at position 0.
         axis: (3,) unit axis in the child's frame.
         prismatic: it slides along the axis; all others turn about it.
+        follows: the joint whose position times ``multiplier`` plus ``offset`` is its own; empty: none.
+        multiplier: see there.
+        offset: see there [rad or m].
     """
 
     name: str
@@ -33,6 +36,14 @@ class FrameJoint:
     rotation: Vector
     axis: Vector
     prismatic: bool
+    follows: str = ""
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+    def after(self, leader: FrameJoint) -> FrameJoint:
+        """The same follower, of the joint that its leader follows."""
+        offset = self.multiplier * leader.offset + self.offset
+        return replace(self, follows=leader.follows, multiplier=self.multiplier * leader.multiplier, offset=offset)
 
 
 def read_frames(urdf: str) -> tuple[str | None, dict[str, FrameJoint]]:
@@ -58,6 +69,9 @@ def _joint(element: ET.Element) -> FrameJoint:
         rotation=_rotation(element),
         axis=axis / (float(np.linalg.norm(axis)) or 1.0),
         prismatic=element.get("type") == "prismatic",
+        follows=_attribute(element, "mimic", "joint", ""),
+        multiplier=_numbers(_attribute(element, "mimic", "multiplier", "1"), 1)[0],
+        offset=_numbers(_attribute(element, "mimic", "offset", "0"), 1)[0],
     )
 
 

@@ -19,8 +19,8 @@ from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.log.thinning import Thinner
 from tests.support.long_logs import write_long_log
 
-# Several blocks each, so that both have had all that one block takes.
-FEW, MANY = 1_600, 3_600
+# Several blocks each, so that both have had all that one block takes; below some 2,000 ticks that is most of the peak.
+FEW, MANY = 2_600, 4_600
 # What judging keeps of a tick of a robot with four joints [bytes], see ``Measurement``, and what lists add.
 KEPT = 200
 

@@ -41,7 +41,9 @@ VICTIMS = (*roles_of(supervised=True, failover=True), PARENT)
 PAIR = ("controller", "standby")
 # 20 periods of a second each, as long as a process takes to notice anything on a busy machine.
 REALTIME, FAILOVER, STEPS, BEGUN = 5.0, 3, 160, 20
-OVERRIDES = (f"duration={STEPS * PERIOD}", "supervision=mini_basic", "controller.gains.update=rls")
+# Of a run that a silence ends: long enough that it is not over before that is noticed.
+LONG_STEPS = STEPS + round(2.0 * SILENT_SECONDS * REALTIME / PERIOD)
+OVERRIDES = ("supervision=mini_basic", "controller.gains.update=rls")
 # A run that is over is gone in so many seconds.
 END_SECONDS = 2.0
 
@@ -65,8 +67,12 @@ class Blow:
         if self.action == "kill":
             return (f"{self.victim}: its process ended with signal SIGKILL",)
         silent = f"{self.victim}: its process was silent"
-        # A plant may be at its end before.
         return (f"{silent} for {SILENT_SECONDS:g} s", *((silent,) if self.victim == "recorder" else ()))
+
+    @property
+    def steps(self) -> int:
+        """Periods of the run."""
+        return STEPS if self.expected == ("completed",) else LONG_STEPS
 
     def limit(self, end: float) -> float:
         """So long until nothing lives on [s]; of a run that goes on until it completes there is none."""
@@ -95,20 +101,22 @@ def draw(victim: str, rng: random.Random) -> Blow:
     return Blow(victim, action, rng.uniform(0.0, 2.0), seconds if action == "stop" else None)
 
 
-def run(place: Path, board: Path) -> None:
+def run(place: Path, board: Path, steps: int) -> None:
     """The run that is struck; a board comes to be when it has begun."""
 
     def on_tick(tick: int) -> None:
         if tick >= BEGUN:
             board.touch()
 
-    run_forked(place, EXPERIMENT, OVERRIDES, on_tick, realtime=REALTIME, failover=FAILOVER)
+    run_forked(
+        place, EXPERIMENT, (f"duration={steps * PERIOD}", *OVERRIDES), on_tick, realtime=REALTIME, failover=FAILOVER
+    )
 
 
 def strike(blow: Blow, place: Path) -> Remains:
     """Run, strike, and look at what is left."""
     with observer() as newest:
-        parent = _started(place)
+        parent = _started(place, blow.steps)
         children = nodes_of(parent.pid)
         assert set(children) == set(VICTIMS) - {PARENT}, children
         sleep(blow.delay)
@@ -165,10 +173,10 @@ def faults(blow: Blow, found: Remains, end: float = END_SECONDS) -> list[str]:
     return [f"{blow}: {text}" for text, fine in checks.items() if not fine]
 
 
-def _started(place: Path) -> Fork:
+def _started(place: Path, steps: int) -> Fork:
     """A run in a process of its own that has begun."""
     board = place.parent / "board"
-    parent, deadline = Fork(run, place, board), monotonic() + DEADLINE
+    parent, deadline = Fork(run, place, board, steps), monotonic() + DEADLINE
     while not board.exists():
         assert parent.poll() is None, parent.communicate()
         assert monotonic() < deadline, f"waited {DEADLINE} s for tick {BEGUN}"

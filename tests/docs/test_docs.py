@@ -260,10 +260,11 @@ def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeyp
 
 
 def test_commands_of_the_page_on_seeing_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run and report, one run and a campaign; the viewer, which ends with Ctrl-C, is tried in test_browser.py."""
+    """Run and report, one run and a campaign; what is looked at while it lasts is tried in test_browser.py and live."""
     pytest.importorskip("plotly")
     monkeypatch.chdir(tmp_path)
-    lines = [line for line in shell_lines("view.md") if line.startswith("space-robot") and " view " not in line]
+    looking = re.compile(" view |--view|--foxglove")
+    lines = [line for line in shell_lines("view.md") if line.startswith("space-robot") and not looking.search(line)]
     assert len(lines) == 6
     for line in lines:
         assert exit_code(line, monkeypatch) == 0, line

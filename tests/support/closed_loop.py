@@ -35,7 +35,7 @@ def closed_loop(
         ticks.append((state, desired, output))
         u = output.command.u
         for _ in range(substeps):
-            v = v + period / substeps * pin.aba(model, data, q, v, u)
+            v = v + period / substeps * _acceleration(model, data, q, v, u)
             q = pin.integrate(model, q, period / substeps * v)
         effort = u[6:]
     return ticks

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import socket
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from threading import Thread
-from time import monotonic
+from time import monotonic, sleep
 from typing import Any
 
 import pytest
@@ -28,7 +28,7 @@ from space_robot_bringup.modes.run import run_composition, run_experiment
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.log.preamble import log_name
 from space_robot_msgs_py.log.reader import LogReader
-from space_robot_msgs_py.topics import TABLE
+from space_robot_msgs_py.topics import TABLE, Topic
 from space_robot_report.live import companion
 from space_robot_report.live.brief import Brief
 from space_robot_report.live.companion import shown_live
@@ -36,7 +36,7 @@ from space_robot_report.live.feed import Feed
 from space_robot_report.nodes.listener import Listener
 from tests.support.follow import DEADLINE
 from tests.support.foxglove_client import FoxgloveClient
-from tests.support.harness import running_graph
+from tests.support.harness import RunningGraph, running_graph
 from tests.support.tool import Tool
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
@@ -55,11 +55,31 @@ def brief_of() -> Brief:
     return Brief("run", "", header.joint_names, header.urdf, header.topics, foxglove=0)
 
 
+def await_matches(robot: RunningGraph, topics: Iterable[Topic]) -> None:
+    """Wait until every publisher of the topics, of the run's nodes, has found all who listen, the viewer among them."""
+    names, end = {topic.name for topic in topics}, monotonic() + DEADLINE
+    publishers = [
+        (node, publisher)
+        for node in robot.nodes.values()
+        for publisher in node.publishers
+        if publisher.topic_name.lstrip("/") in names
+    ]
+    assert publishers
+    for node, publisher in publishers:
+        while True:
+            listening = [one.node_name for one in node.get_subscriptions_info_by_topic(publisher.topic_name)]
+            if "viewer" in listening and publisher.get_subscription_count() == len(listening):
+                break
+            assert monotonic() < end, f"waited {DEADLINE} s for the viewer of {publisher.topic_name}: {listening}"
+            sleep(0.01)
+
+
 def test_a_listener_hears_what_the_log_has(tmp_path: Path) -> None:
     """In lock-step, in one process, where nothing is lost; the log is that of a run without a listener."""
     place, feed, heard = tmp_path / "run", Feed(brief_of()), []
     with running_graph(place, *SHORT) as robot:
         listener = Listener(robot.context, feed.topics)
+        await_matches(robot, feed.topics)
         robot.spin_until(lambda: robot.recorder.end_reason, "the end of the run")
         robot.settle()
         for topic, raw in listener.take():
