@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -152,10 +153,11 @@ def _of_run(
 
 
 def _counted(number: Number, values: Sequence[float | None]) -> Estimate:
-    """How many runs have the number, or of an outcome how many have come to it, as a count or a share."""
-    count = sum(value is not None for value in values)
+    """How many runs have the number, within a bound if one is given, or of an outcome how many have come to it."""
+    bound = inf if number.within is None else number.within
+    count = sum(value is not None and value <= bound for value in values)
     if number.reduce == "count" or not values:
         return replace(exact(float(count)), of=len(values))
     if number.metric in OUTCOMES:
-        count = sum(bool(value) for value in values)
+        count = sum(bool(value) and value <= bound for value in values if value is not None)
     return share_of(count, len(values))

@@ -79,6 +79,13 @@ class Number(Wanted):
     missing: Literal["refuse", "skip"] | float = Field(
         default="refuse", description="a run without the number: no result, left out and counted, or this number"
     )
+    within: float | None = Field(default=None, description="of count and share: only runs whose number is at most this")
+
+    @model_validator(mode="after")
+    def _within_what_is_counted(self) -> Self:
+        if self.within is not None and self.reduce not in ("count", "share"):
+            raise ValueError("within is for reduce: count and share")
+        return self
 
 
 class OfGroups(Wanted):

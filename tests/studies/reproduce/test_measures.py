@@ -12,6 +12,7 @@ import pytest
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.reproduce.claims import Judgement, check_words, judge, seed_text
+from space_robot_studies.reproduce.estimate import wilson
 from space_robot_studies.reproduce.manifest import Bounds, Claim, Figure
 from space_robot_studies.reproduce.measures import FinishedRun, reduce, select, take
 from space_robot_studies.reproduce.planner import DistinctRun, PlannedRun, ReadingRuns
@@ -132,6 +133,19 @@ def test_where_picks_the_runs_with_a_value() -> None:
     runs = [run for run, _ in finished(data(), data(), data())]
     measure = Measure.model_validate({"metric": "settling", "of": "all", "where": {"seed": 2}})
     assert [run.label for run in select(measure, runs)] == ["all 2"]
+
+
+def test_a_share_within_a_bound_counts_what_is_at_most_that() -> None:
+    """Runs without the number, or beyond the bound, are none of it; the bound itself is; an interval comes with it."""
+    runs = finished(data(1.0), data(2.0), data(2.5), data(None))
+    for how, value in (("count", 2.0), ("share", 0.5)):
+        number = Number.model_validate({"metric": "settling", "reduce": how, "within": 2.0})
+        found = reduce(number, runs, BOUNDS).estimate
+        assert found is not None
+        assert (found.value, found.of) == (value, 4)
+    assert (found.low, found.high) == wilson(2, 4)
+    with pytest.raises(SpecError, match="within is for reduce: count and share"):
+        Number(metric="settling", reduce="max", within=2.0)
 
 
 def test_a_claim_is_decided_by_its_condition() -> None:
