@@ -31,7 +31,8 @@ def pair(place: Path, *overrides: str, supervised: bool = False) -> Iterator[Run
     """A run with two controllers, at its first state."""
     roles = roles_of(supervised=supervised, failover=True)
     with running_graph(place, *OVERRIDES, *overrides, roles=roles, realtime=SLOW, failover=AFTER) as robot:
-        robot.spin_until(lambda: robot.simulator.started, "the first state")
+        # The controllers may be matched later than the simulator starts.
+        robot.await_answer()
         robot.settle()
         yield robot
 
