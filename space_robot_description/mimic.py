@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import pinocchio as pin
@@ -12,20 +12,7 @@ from space_robot_description.urdf import MOVING, Tree, kind_of
 from space_robot_description.urdf_values import number
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
-
-
-class Mimic(NamedTuple):
-    """A follower: its position is multiplier times that of a joint, plus offset.
-
-    Attributes:
-        joint: the joint it follows; one that follows none itself, where ``read_mimics`` says so.
-        multiplier: [-, or rad/m, m/rad between an angle and a length].
-        offset: [rad or m].
-    """
-
-    joint: str
-    multiplier: float
-    offset: float
+from space_robot_msgs_py.mimic import Mimic
 
 
 def mimic_of(name: str, joint: ET.Element) -> Mimic | None:
@@ -76,16 +63,19 @@ def couple(model: Any, mimics: Mapping[str, Mimic]) -> Any:
     return model
 
 
+def has_followers(model: Any) -> bool:
+    """Whether joints of a free-flying ``pin.Model`` share a coordinate."""
+    return bool(model.nv < model.njoints + 4)
+
+
 def _resolved(name: str, said: Mapping[str, Mimic], tree: Tree) -> Mimic:
-    """Follow the chain: m1 (m2 q + o2) + o1."""
+    """Follow the chain."""
     found, passed = said[name], [name]
     while found.joint in said:
         passed.append(found.joint)
         if found.joint in passed[:-1]:
             raise SpecError("mimics itself", key=f"joint {name}", value=" -> ".join(passed), accepted="another joint")
-        above = said[found.joint]
-        offset = found.multiplier * above.offset + found.offset
-        found = Mimic(above.joint, found.multiplier * above.multiplier, offset)
+        found = found.through(said[found.joint])
     master = tree.joints.get(found.joint)
     if master is None or kind_of(master) not in MOVING:
         what = "is not there" if master is None else "does not move"

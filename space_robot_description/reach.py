@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_description.kernel.joints import joint_axes
-from space_robot_description.mimic import Mimic
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.mimic import Mimic
 
 SAMPLES = 2000
 SEED = 20230517

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from space_robot_description.mimic import Mimic
 from space_robot_description.spec import Actuators
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.mimic import Mimic
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -13,6 +13,7 @@ from space_robot_msgs_py.codec.message_layouts import INERTIAL, tf_message
 from space_robot_msgs_py.codec.values import StateCodec
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import RobotState, Vector
+from space_robot_msgs_py.mimic import Mimic
 from space_robot_msgs_py.topics import TF, TF_STATIC
 from space_robot_msgs_py.urdf_frames import FrameJoint, product, read_frames, rotated
 
@@ -34,12 +35,11 @@ class FrameTransforms:
         root, joints = read_frames(urdf)
         leading = [joints[name] for name in joint_names if name in joints]
         following = _followers(joints, joint_names)
-        moving = [*leading, *following]
-        moved = {joint.name for joint in moving}
-        fixed = [joint for joint in joints.values() if joint.name not in moved]
-        index = [joint_names.index(joint.follows if joint in following else joint.name) for joint in moving]
+        moving = [*leading, *(joints[name] for name in following)]
+        fixed = [joint for joint in joints.values() if joint not in moving]
+        index = [joint_names.index(following[one.name].joint if one.name in following else one.name) for one in moving]
         self._index = slice(None) if index == list(range(len(joint_names))) else index
-        self._ways = _ways(len(leading), following)
+        self._ways = _ways(len(leading), [*following.values()])
         self._states = StateCodec(joint_names)
         pairs = [(INERTIAL, root or ""), *((joint.parent, joint.child) for joint in moving)]
         self._form = _Form(tf_message(TF.name, pairs)) if root else None
@@ -101,26 +101,28 @@ class _Form:
         return ENCAPSULATION + message.tobytes()
 
 
-def _followers(joints: Mapping[str, FrameJoint], names: Sequence[str]) -> list[FrameJoint]:
+def _followers(joints: Mapping[str, FrameJoint], names: Sequence[str]) -> dict[str, Mimic]:
     """The joints that follow one of these names, each with what it makes of that one's position."""
-    found = []
-    for joint in joints.values():
+    found = {}
+    for name, joint in joints.items():
+        mimic = None if name in names else joint.mimic
         # No chain is longer than there are joints; a circle leads nowhere.
-        for _ in range(len(joints)):
-            if joint.name in names or joint.follows in names or joint.follows not in joints:
+        for _ in joints:
+            if mimic is None or mimic.joint in names:
                 break
-            joint = joint.after(joints[joint.follows])
-        if joint.name not in names and joint.follows in names:
-            found.append(joint)
+            above = joints[mimic.joint].mimic if mimic.joint in joints else None
+            mimic = None if above is None else mimic.through(above)
+        if mimic is not None and mimic.joint in names:
+            found[name] = mimic
     return found
 
 
-def _ways(leading: int, following: Sequence[FrameJoint]) -> tuple[Vector, Vector] | None:
+def _ways(leading: int, following: Sequence[Mimic]) -> tuple[Vector, Vector] | None:
     """Two (n, 1) arrays, what half of a position is multiplied with and what is added; None where nothing follows."""
     if not following:
         return None
-    multiplier = [1.0] * leading + [joint.multiplier for joint in following]
-    offset = [0.0] * leading + [0.5 * joint.offset for joint in following]
+    multiplier = [1.0] * leading + [one.multiplier for one in following]
+    offset = [0.0] * leading + [0.5 * one.offset for one in following]
     return np.array(multiplier).reshape(-1, 1), np.array(offset).reshape(-1, 1)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import cos, inf, sin
 from xml.etree import ElementTree as ET
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from space_robot_msgs_py.bounded_xml import parse_xml
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.mimic import Mimic
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -24,9 +25,7 @@ class FrameJoint:
         rotation: (4,) quaternion x, y, z, w of the child in the parent at position 0.
         axis: (3,) unit axis in the child's frame.
         prismatic: it slides along the axis; all others turn about it.
-        follows: the joint whose position times ``multiplier`` plus ``offset`` is its own; empty: none.
-        multiplier: see there.
-        offset: see there [rad or m].
+        mimic: what it follows; None: nothing.
     """
 
     name: str
@@ -36,14 +35,7 @@ class FrameJoint:
     rotation: Vector
     axis: Vector
     prismatic: bool
-    follows: str = ""
-    multiplier: float = 1.0
-    offset: float = 0.0
-
-    def after(self, leader: FrameJoint) -> FrameJoint:
-        """The same follower, of the joint that its leader follows."""
-        offset = self.multiplier * leader.offset + self.offset
-        return replace(self, follows=leader.follows, multiplier=self.multiplier * leader.multiplier, offset=offset)
+    mimic: Mimic | None = None
 
 
 def read_frames(urdf: str) -> tuple[str | None, dict[str, FrameJoint]]:
@@ -69,10 +61,14 @@ def _joint(element: ET.Element) -> FrameJoint:
         rotation=_rotation(element),
         axis=axis / (float(np.linalg.norm(axis)) or 1.0),
         prismatic=element.get("type") == "prismatic",
-        follows=_attribute(element, "mimic", "joint", ""),
-        multiplier=_numbers(_attribute(element, "mimic", "multiplier", "1"), 1)[0],
-        offset=_numbers(_attribute(element, "mimic", "offset", "0"), 1)[0],
+        mimic=_mimic(element),
     )
+
+
+def _mimic(element: ET.Element) -> Mimic | None:
+    leader = _attribute(element, "mimic", "joint", "")
+    multiplier, offset = (_attribute(element, "mimic", *one) for one in (("multiplier", "1"), ("offset", "0")))
+    return Mimic(leader, float(_numbers(multiplier, 1)[0]), float(_numbers(offset, 1)[0])) if leader else None
 
 
 def _attribute(element: ET.Element, tag: str, attribute: str, default: str) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_description.kernel.joints import joint_axes as moving_axes
+from space_robot_description.mimic import has_followers
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.log.arrays import LogArrays
 
@@ -56,7 +57,7 @@ def way_of(model: Any, configurations: Vector, frame: str) -> Vector:
 
 def joint_axes(model: Any) -> Vector:
     """(N, 3) axis of every joint in the frame of the body it moves, also of those that follow others."""
-    if model.nv < model.njoints + 4:
+    if has_followers(model):
         return moving_axes(model)[0]
     motions = [np.array(joint.createData().S) for joint in model.joints[2:]]
     axes = [motion[3:] if np.any(motion[3:]) else motion[:3] for motion in motions]
@@ -65,7 +66,7 @@ def joint_axes(model: Any) -> Vector:
 
 def efforts_by_joint(model: Any, efforts: Vector) -> Vector:
     """(..., N) of (..., n): nothing acts on joints that follow others."""
-    if model.nv == model.njoints + 4:
+    if not has_followers(model):
         return efforts
     out = np.zeros((*efforts.shape[:-1], model.njoints - 2))
     out[..., [index for index, joint in enumerate(model.joints[2:]) if joint.nv]] = efforts

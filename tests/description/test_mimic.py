@@ -11,10 +11,10 @@ from space_robot_description.foresight import robot_warnings
 from space_robot_description.inertia import inertial_parameters
 from space_robot_description.load import load_robot
 from space_robot_description.mass_matrix import mass_matrix
-from space_robot_description.mimic import Mimic
 from space_robot_description.reach import reach_of
 from space_robot_description.report import robot_report
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.mimic import Mimic
 from tests.support.description_texts import TWO_LINKS, joint, link, robot_file, urdf
 
 LIMIT = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="7" velocity="3"/>'

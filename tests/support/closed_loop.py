@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from space_robot_control.laws import Law
 from space_robot_description.mass_matrix import mass_matrix
+from space_robot_description.mimic import has_followers
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, ReferenceSource, RobotState, Vector
 from tests.support.robots import random_state
@@ -48,6 +49,6 @@ def off(found: Any, expected: Any) -> float:
 
 def _acceleration(model: Any, data: Any, q: Vector, v: Vector, u: Vector) -> Vector:
     """``pin.aba``, which has no place for joints that follow others."""
-    if model.nv == model.njoints + 4:
+    if not has_followers(model):
         return np.array(pin.aba(model, data, q, v, u))
     return np.linalg.solve(mass_matrix(model, q), u - pin.nonLinearEffects(model, data, q, v))

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from space_robot_description.mimic import Mimic
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Actuators
+from space_robot_msgs_py.mimic import Mimic
 
 Vector = npt.NDArray[np.float64]
 JOINTS = ("RX", "RY", "RZ", "PX", "PY", "PZ", "RevoluteUnaligned", "PrismaticUnaligned")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -28,7 +26,7 @@ from space_robot_description.rotations import from_rpy, rotate, rotate_inverse
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from tests.support.coupled_robots import random_coupled
 from tests.support.euler_coordinates import difference, euler_acceleration
-from tests.support.paths import ROOT
+from tests.support.interpreter import commands_without_numba, python
 from tests.support.robots import random_model, robot_of
 
 SHIPPED = ("mini", "servicer", "panda_sat")
@@ -258,24 +256,9 @@ print(*sorted({f"{laws}.adaptive.kernel.control", f"{laws}.ntsmc.kernel.sliding"
 """
 
 
-def python(code: str) -> str:
-    """What a fresh interpreter prints, in which every warning is an error."""
-    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, cwd=ROOT)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 def test_another_law_neither_compiles_nor_loads_this_one() -> None:
     """Making a computed-torque law loads no kernel of another law."""
     assert python(OTHER_LAW).split() == []
-
-
-WITHOUT_NUMBA = """
-import sys
-sys.modules["numba"] = None
-from tests.control.laws.adaptive.test_kernel import commands
-print(*(number.hex() for number in commands()))
-"""
 
 
 def commands() -> list[float]:
@@ -295,5 +278,4 @@ def commands() -> list[float]:
 
 def test_runs_without_numba() -> None:
     """The same text uncompiled gives the same commands, estimates and covariance to 1e-12, without a warning."""
-    numbers = [float.fromhex(number) for number in python(WITHOUT_NUMBA).split()]
-    np.testing.assert_allclose(numbers, commands(), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(commands_without_numba(__name__), commands(), rtol=1e-12, atol=1e-12)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -13,15 +10,8 @@ from space_robot_control.tracking import tracking_errors
 from space_robot_description import rotations as rot
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.interfaces import Reference, RobotState
-from tests.support.paths import ROOT
+from tests.support.interpreter import commands_without_numba
 from tests.support.robots import random_state
-
-WITHOUT_NUMBA = """
-import sys
-sys.modules["numba"] = None
-from tests.control.laws.ntsmc.test_kernel import commands
-print(*(number.hex() for number in commands()))
-"""
 
 
 def commands() -> list[float]:
@@ -41,11 +31,7 @@ def commands() -> list[float]:
 
 def test_the_laws_run_without_numba() -> None:
     """The same text uncompiled gives the same commands and telemetry to 1e-12 of the largest, without a warning."""
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", WITHOUT_NUMBA], capture_output=True, text=True, cwd=ROOT
-    )
-    assert done.returncode == 0, done.stderr
-    numbers, compiled = [float.fromhex(number) for number in done.stdout.split()], commands()
+    numbers, compiled = commands_without_numba(__name__), commands()
     np.testing.assert_allclose(numbers, compiled, rtol=1e-12, atol=1e-12 * np.abs(compiled).max())
 
 
