@@ -1,6 +1,6 @@
 # space-robot on Debian with its Python: docker build -t space-robot . && docker run --rm -it space-robot list
 FROM debian:bookworm-slim
-RUN apt-get update && apt-get install -y --no-install-recommends python3 python3-venv && rm -rf /var/lib/apt/lists/*
+RUN apt-get update && apt-get install -y --no-install-recommends python3 python3-venv libgomp1 && rm -rf /var/lib/apt/lists/*
 ENV PATH=/opt/space-robot/bin:$PATH AMENT_PREFIX_PATH=/opt/space-robot NUMBA_CACHE_DIR=/var/cache/space-robot
 COPY . /src
 RUN python3 -m venv /opt/space-robot \
