@@ -106,7 +106,7 @@ class SimulatorNode(ManagedNode):
         self._begin_publisher = self.publisher(RUN_BEGIN)
         self._credit = Credit(self)
         keep_late = 0 if realtime is None else MAX_LATE
-        limits: dict[str, Any] = {"keep_late": keep_late, "turns": Turns(failover) if failover else None}
+        limits: dict[str, Any] = {"keep_late": keep_late, "turns": Turns(failover, period) if failover else None}
         self.commands = CommandPort(self, joint_names, self._on_answer, period=period, **limits)
         if recorded:
             self.listen(RECORDER_CREDIT, self._on_credit)
