@@ -151,8 +151,8 @@ SUPERVISOR_MODE = Topic(
     "supervision",
     "supervisor",
     "the mode that holds from the stamp on, one status: message is its name, values are `law`, `reference`, `since` "
-    "[ns] and `answer` [ns], the age of the newest command it knew of, and `brakes`, where those of the joints are "
-    "closed; the controller answers the state when it has it",
+    "[ns] and `answer` [ns], the age of the newest command it knew of, and where it is so `brakes` (closed are those "
+    "of the joints) and `wheels` (thrusters unload them); the controller answers the state when it has it",
     optional=True,
 )
 WRENCH_COMMAND = Topic(
