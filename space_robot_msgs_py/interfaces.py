@@ -216,6 +216,7 @@ class Supervision:
         events: what was found at this stamp, and what was done about it.
         housekeeping: a summary, where one is due.
         brakes: the brakes of all joints are closed.
+        unload: thrusters unload the wheels.
     """
 
     stamp: int
@@ -227,6 +228,7 @@ class Supervision:
     events: tuple[DiagnosticEvent, ...] = ()
     housekeeping: Telemetry | None = None
     brakes: bool = False
+    unload: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,11 +332,14 @@ class Plant(Protocol):
 
 
 @runtime_checkable
-class BrakedPlant(Protocol):
-    """A plant whose joints have brakes."""
+class SupervisedPlant(Protocol):
+    """A plant on which the mode of a supervisor acts beside the controller."""
 
     def close_brakes(self, closed: bool) -> None:
-        """Close all of them, or open them, from the next step on."""
+        """Close the brakes of all joints, or open them, from the next step on."""
+
+    def unload_wheels(self, on: bool) -> None:
+        """Let thrusters unload the wheels, or not, from the next step on."""
 
 
 class ReferenceSource(Protocol):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
-from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes
+from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes, check_unloading
 from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
 from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
@@ -109,6 +109,11 @@ class Composition:
         return self.experiment.supervision is not None and self.experiment.supervision.brakes
 
     @property
+    def unloads(self) -> bool:
+        """The supervisor may have thrusters unload the wheels."""
+        return self.experiment.supervision is not None and self.experiment.supervision.unloads
+
+    @property
     def loses_commands(self) -> bool:
         """Faults keep commands from the plant: what acted does not tell what was sent."""
         return self.faults is not None and CommandWire(self.faults).faulty
@@ -137,7 +142,8 @@ class Composition:
         """A new plant in its initial state."""
         seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
         initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
-        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults, self.braked)
+        modes = self.braked, self.unloads
+        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults, *modes)
         return PLANTS[spec.kind].make(spec, parts)
 
     def controller(self) -> Law:
@@ -248,6 +254,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
     truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
     check_brakes(experiment, truth)
+    check_unloading(experiment, truth)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)
