@@ -10,7 +10,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, get_args
 
-from space_robot_bringup.compose.composition import Composition, versions
+from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.compose.versions import versions
 from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.conclusion import FAIL, conclusion, passed
 from space_robot_bringup.judge.metrics import PER_AXIS, metric_names
