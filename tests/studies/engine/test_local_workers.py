@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
+from space_robot_bringup.modes.pinned import PINNED
 from space_robot_msgs_py.errors import SilenceError, SpecError
 from space_robot_studies.engine.local_workers import LocalWorkers, cpu_time
-from space_robot_studies.engine.pinned import PINNED
 from space_robot_studies.engine.tasks import Lost, Task
 from tests.support.paths import ROOT
 from tests.support.processes import descendants
