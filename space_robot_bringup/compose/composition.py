@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
+from space_robot_bringup.compose.knowledge import nominal_spec, with_knowledge
 from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes
 from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
@@ -23,7 +24,7 @@ from space_robot_control.references.make import make_reference
 from space_robot_control.references.targets import check_limits
 from space_robot_description.dispersion import disperse
 from space_robot_description.load import load_robot
-from space_robot_description.payload import attach_payload, known_part
+from space_robot_description.payload import attach_payload
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy
 from space_robot_description.spec import expand
@@ -242,9 +243,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
 
         check_supervision(experiment)
     robot = load(experiment.robot)
-    nominal = _variant(robot, _nominal_spec(experiment), seeds[0])
-    known = experiment.nominal
-    nominal = replace(nominal, command_delay=known.delay_periods, knows_friction=known.friction)
+    nominal = with_knowledge(_variant(robot, nominal_spec(experiment), seeds[0]), experiment.nominal)
     truth = _variant(robot, experiment.plant, seeds[1])
     q0, v0 = _initial(experiment.initial, robot)
     check_brakes(experiment, truth)
@@ -306,20 +305,6 @@ def _delay_warnings(experiment: Experiment, law: Law) -> Iterator[str]:
         yield f"plant.delay_periods={real}, but the law knows of {known}: see nominal.delay_periods"
     if real and known and not law.uses_command_delay:
         yield f"{law.name or type(law).__qualname__} takes no account of nominal.delay_periods={known}"
-
-
-def _nominal_spec(experiment: Experiment) -> ModelSpec:
-    """What ``nominal`` says, with its payload where it says a fraction of the real one."""
-    nominal, real = experiment.nominal, experiment.plant.payload
-    if nominal.payload_known is None:
-        return nominal
-    if real is None:
-        accepted = "a plant.payload to know of"
-        raise SpecError(
-            "there is no payload", key="nominal.payload_known", value=nominal.payload_known, accepted=accepted
-        )
-    payload = known_part(real, nominal.payload_known) if nominal.payload_known else None
-    return nominal.model_copy(update={"payload": payload})
 
 
 def _unladen(spec: ModelSpec) -> ModelSpec:
