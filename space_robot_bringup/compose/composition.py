@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
+from space_robot_bringup.compose.knowledge import nominal_spec, with_knowledge
 from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes, check_unloading
-from space_robot_bringup.compose.robots import initial_state, nominal_spec, unladen, variant_of
+from space_robot_bringup.compose.robots import initial_state, unladen, variant_of
 from space_robot_bringup.compose.versions import versions
 from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.experiment import Experiment, to_yaml
@@ -241,9 +242,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
 
         check_supervision(experiment)
     robot = load(experiment.robot)
-    nominal = variant_of(robot, nominal_spec(experiment), seeds[0])
-    known = experiment.nominal
-    nominal = replace(nominal, command_delay=known.delay_periods, knows_friction=known.friction)
+    nominal = with_knowledge(variant_of(robot, nominal_spec(experiment), seeds[0]), experiment.nominal)
     truth = variant_of(robot, experiment.plant, seeds[1])
     q0, v0 = initial_state(experiment.initial, robot)
     check_brakes(experiment, truth)
