@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.compose.composition import versions
+from space_robot_bringup.compose.versions import versions
 from space_robot_control.laws.registry import law_class
 from space_robot_control.laws.source import source_of
 from space_robot_msgs_py.atomic_file import write_atomically
