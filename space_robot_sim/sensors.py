@@ -63,7 +63,7 @@ class Sensors:
         for channel, name in enumerate(READ):
             shape = (ticks, self._sizes[name])
             parts.append(np.zeros(shape) if self.rule.ideal[channel] else self._rng[name].standard_normal(shape))
-        return np.hstack(parts)
+        return np.concatenate(parts, axis=1)
 
     def measure(self, truth: RobotState) -> RobotState:
         """What is read of the truth at one stamp; call once per stamp, in order."""
@@ -76,8 +76,8 @@ class Sensors:
         read = np.empty(self._history.shape[1])
         self._read(self.rule, self._history, self._tick, self.draws(1)[0], read)
         self._tick += 1
-        q, v, acceleration = np.split(read, self._split)
-        return RobotState(truth.stamp, q, v, truth.effort, acceleration, wheels)
+        a, b = self._split
+        return RobotState(truth.stamp, read[:a], read[a:b], truth.effort, read[b:], wheels)
 
 
 class WheelReading:

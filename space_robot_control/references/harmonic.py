@@ -9,6 +9,7 @@ from typing import cast
 import numpy as np
 
 from space_robot_control.references.profile import in_body, nanoseconds, quintic
+from space_robot_control.references.rows import identity_of
 from space_robot_control.references.spec import HarmonicSpec, Wave, Waves
 from space_robot_control.references.targets import check_limits, configuration
 from space_robot_description.robot import Robot
@@ -33,6 +34,9 @@ class Harmonic:
         start: [ns].
         soft_start: duration of the ramp [ns], positive.
 
+    Attributes:
+        identity: see ``rows.rows_of``.
+
     Reference: Euler rates to body rates as in Liu, Teng, Jin, Aerospace 10, 679, 2023, sec. 2.
     """
 
@@ -51,6 +55,7 @@ class Harmonic:
         self._mix = np.zeros((len(channel), self._center.size))
         self._mix[np.arange(len(channel)), list(channel)] = amplitude
         self._start, self._soft_start = start, soft_start
+        self.identity = identity_of(center, self._mix, self._omega, self._phase, start, soft_start)
 
     def at(self, stamp: int) -> Reference:
         """Return the reference at a stamp [ns]."""

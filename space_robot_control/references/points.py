@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from space_robot_control.references.profile import in_body, quintic
+from space_robot_control.references.rows import identity_of
 from space_robot_description.rotations import exp, log, product, relative
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector
@@ -70,6 +71,7 @@ class PointToPoint:
 
     Attributes:
         last: the last configuration with the sign of quaternion that the motion reaches it with.
+        identity: see ``rows.rows_of``.
 
     Raises:
         SpecError: the duration is not positive.
@@ -89,6 +91,7 @@ class PointToPoint:
         self._flat = [*self._first[:3], 0.0, 0.0, 0.0, *self._first[7:]]
         self._zero = [0.0] * len(self._change)
         self._start, self._duration = start, duration
+        self.identity = identity_of(first, last, start, duration)
 
     def at(self, stamp: int) -> Reference:
         """Return the reference at a stamp [ns]."""

@@ -11,7 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from space_robot_control.references import make_reference
-from space_robot_control.references.profile import quintic
+from space_robot_control.references.points import PointToPoint
+from space_robot_control.references.profile import in_body, quintic
+from space_robot_control.references.rows import rows_of
 from space_robot_control.references.spline import RestToRestSpline
 from space_robot_description import rotations as rot
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, ReferenceSource, Vector
@@ -174,6 +176,37 @@ def test_half_a_turn_is_decided_and_stays_decided() -> None:
     ]
     for source in sources:
         assert abs(at(source, 0.5).v[4]) == pytest.approx(1.875 * np.pi, rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_rows_of_a_run_are_those_of_its_stamps(kind: str) -> None:
+    """Bit for bit what ``at`` gives, also after a run of the same motion, whatever that one did with its rows."""
+    stamps = range(0, 12 * NANOSECONDS, NANOSECONDS // 4)
+    for seed in (1, 2, 1):
+        source = random_source(kind, seed)
+        expected = [source.at(stamp) for stamp in stamps]
+        found = rows_of(source, stamps)
+        for name, part in zip("qva", found, strict=True):
+            assert part.tobytes() == np.array([getattr(one, name) for one in expected]).tobytes()
+        for part in found:
+            part += 1.0
+
+
+def test_rows_of_the_same_motion_are_evaluated_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A study that runs a motion again does not evaluate it again; other stamps, ends and signs of zero are others."""
+    evaluated: list[int] = []
+
+    def counted(self: PointToPoint, stamp: int) -> Reference:
+        evaluated.append(stamp)
+        return in_body(stamp, *self.motion(stamp))
+
+    monkeypatch.setattr(PointToPoint, "at", counted)
+    first, second = (np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, angle]) for angle in (0.125, 0.375))
+    negative = second * np.array([-1.0, *np.ones(7)])
+    for last, ticks, more in ((second, 5, 5), (second, 5, 0), (second, 6, 6), (first, 5, 5), (negative, 5, 5)):
+        before = len(evaluated)
+        rows_of(PointToPoint(first, last, 0, 10), range(ticks))
+        assert len(evaluated) - before == more
 
 
 def test_step_jumps_at_its_time_and_not_before() -> None:
