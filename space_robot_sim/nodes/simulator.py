@@ -9,16 +9,16 @@ from uuid import uuid4
 
 from space_robot_msgs_py.codec.codecs import encode_string
 from space_robot_msgs_py.errors import CommandError
-from space_robot_msgs_py.interfaces import BrakedPlant, Command, Plant, PlantSample
+from space_robot_msgs_py.interfaces import Command, Plant, PlantSample, SupervisedPlant
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.nodes.offers import Offers
 from space_robot_msgs_py.qos import Qos, qos_of_states
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
 from space_robot_msgs_py.topics import RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
-from space_robot_sim.nodes.brake_port import BrakePort
 from space_robot_sim.nodes.command_port import REPEATED, CommandPort
 from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
+from space_robot_sim.nodes.mode_port import ModePort
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
 from space_robot_sim.nodes.sample_publishers import SamplePublishers
 from space_robot_sim.nodes.services import STEP_COUNT, RunServices, StepGate, checked_count, step_count_row
@@ -49,7 +49,7 @@ class SimulatorNode(ManagedNode):
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
         optional: the optional topics of this run, for the events of the plant and the momentum of the wheels.
-        braked: a supervisor may close the brakes of the joints: in lock-step the plant waits for its mode, too.
+        obeys: modes of a supervisor act on the plant (brakes, unloading): in lock-step it waits for them, too.
         ahead: so many states the run may be ahead of its recorder in lock-step.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         step_count: so many periods ``~/step`` grants, a dynamic parameter.
@@ -69,7 +69,7 @@ class SimulatorNode(ManagedNode):
         realtime: float | None = None,
         recorded: bool = True,
         optional: Collection[Topic] = (),
-        braked: bool = False,
+        obeys: bool = False,
         ahead: int = 0,
         patience: float = 60.0,
         step_count: int = 1,
@@ -93,12 +93,12 @@ class SimulatorNode(ManagedNode):
         self._begin_publisher = self.publisher(RUN_BEGIN)
         self._credit = Credit(self)
         keep_late = 0 if realtime is None else MAX_LATE
-        limits: dict[str, Any] = {"keep_late": keep_late, "turns": Turns(failover) if failover else None}
+        limits: dict[str, Any] = {"keep_late": keep_late, "turns": Turns(failover, period) if failover else None}
         self.commands = CommandPort(self, joint_names, self._on_answer, period=period, **limits)
         if recorded:
             self.listen(RECORDER_CREDIT, self._on_credit)
-        self._brakes = BrakePort(self, self._on_answer, lossless=realtime is None) if braked else None
-        readers = [] if self._brakes is None else self._brakes.readers
+        self._modes = ModePort(self, self._on_answer, lossless=realtime is None) if obeys else None
+        readers = [] if self._modes is None else self._modes.readers
         self._offers = Offers(self, self._waiting, self._say_again, [*self.commands.readers, *readers])
         self.keep()
 
@@ -208,8 +208,8 @@ class SimulatorNode(ManagedNode):
             self._credit.restart()
         self.sample, self.tick, self.started = sample, 0, False
         self.commands.restart()
-        if self._brakes is not None:
-            self._brakes.restart()
+        if self._modes is not None:
+            self._modes.restart()
         self._begin_publisher.publish(encode_begin(self._run))
 
     def _on_credit(self, raw: bytes) -> None:
@@ -245,7 +245,7 @@ class SimulatorNode(ManagedNode):
     @property
     def _answered(self) -> bool:
         """All that is known before the plant runs on is here."""
-        return self.commands.answered and (self._brakes is None or self._brakes.knows(self.stamp))
+        return self.commands.answered and (self._modes is None or self._modes.knows(self.stamp))
 
     def _on_answer(self) -> None:
         """Lock-step: go on as far as answers and pause allow."""
@@ -275,8 +275,10 @@ class SimulatorNode(ManagedNode):
             self._say_what_was_refused()
             self.end("completed")
             return
-        if self._brakes is not None:
-            cast(BrakedPlant, self._plant).close_brakes(self._brakes.closed)
+        if self._modes is not None:
+            plant = cast(SupervisedPlant, self._plant)
+            plant.close_brakes(self._modes.closed)
+            plant.unload_wheels(self._modes.unloads)
         sample = self._plant.step(command)
         self.tick += 1
         self._health.count(sample)
