@@ -19,7 +19,17 @@ STARTS = {"--version": 1.3, "list": 2.1, "check liu2023/fig08": 4.7}
 def test_a_log_is_written_as_fast_beside_the_writer_of_mcap() -> None:
     """Values to an indexed file, against mcap's own writer that gets the same messages as bytes."""
     ratios = beside_mcap(made_ticks(300), 3)
-    assert ratios["log: write and close, times the speed of mcap's writer, zstd"] > 0.55 / SPARE
+    assert ratios["log: write and close, times the speed of mcap's writer, zstd"] > 0.75 / SPARE
+
+
+@pytest.mark.ros
+@pytest.mark.xdist_group("graph")
+def test_the_graph_is_as_fast_beside_the_bare_transport_of_its_messages() -> None:
+    """One process, recorder included, against three nodes that pass on the same messages and look at none."""
+    pytest.importorskip("rclpy")
+    from benchmarks.bench_graph import beside_bare
+
+    assert beside_bare(300, 2) > 0.15 / SPARE
 
 
 def test_commands_start_as_fast_beside_what_they_have_to_load() -> None:

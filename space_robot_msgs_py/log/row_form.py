@@ -21,16 +21,19 @@ class RowForm:
     """Rows whose messages have these sizes.
 
     Args:
-        channels: of the columns of a row.
+        names: topics of the columns of a row.
+        channels: of the columns.
         sizes: of the messages in them [bytes], or ``NONE``.
 
     Attributes:
         columns: those that have a message.
+        names: topics of those columns.
         shape: of the records.
     """
 
-    def __init__(self, channels: Sequence[int], sizes: Sequence[int]) -> None:
+    def __init__(self, names: Sequence[str], channels: Sequence[int], sizes: Sequence[int]) -> None:
         self.columns = [column for column, size in enumerate(sizes) if size != NONE]
+        self.names = [names[column] for column in self.columns]
         self.shape = Shape([(channels[column], sizes[column]) for column in self.columns])
         self._pieces = [b""] * (3 * len(self.columns))
         self._pieces[::3] = [head_of(channels[column], sizes[column]) for column in self.columns]
@@ -76,10 +79,10 @@ class Rows:
         """
         form = self._forms.get(sizes)
         if form is None:
-            form = RowForm(self._channels, sizes)
-            for column in form.columns:
-                if self._names[column] not in self._counts:
-                    raise LogError("its header names no such topic", key=self._key, value=self._names[column])
+            form = RowForm(self._names, self._channels, sizes)
+            for name in form.names:
+                if name not in self._counts:
+                    raise LogError("its header names no such topic", key=self._key, value=name)
             if len(self._forms) >= MAX_FORMS:
                 self._forms.clear()
             self._forms[sizes] = form
@@ -87,9 +90,9 @@ class Rows:
 
     def records(self, stamp: int, row: Sequence[bytes | None], form: RowForm) -> bytes:
         """The records of a row of a form, which are counted; see ``RowForm.records``."""
-        counts, names = self._counts, [self._names[column] for column in form.columns]
-        numbers = [counts[name] for name in names]
-        self.count(names)
+        counts = self._counts
+        numbers = [counts[name] for name in form.names]
+        self.count(form.names)
         return form.records(stamp, numbers, row)
 
     def count(self, names: Sequence[str]) -> None:

@@ -13,7 +13,7 @@ from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.codec.telemetry import MAX_STAMP
 from space_robot_msgs_py.interfaces import Telemetry, Tick
 from space_robot_msgs_py.log.preamble import CHANNELS
-from space_robot_msgs_py.log.row_form import NONE, TIMES, head_of
+from space_robot_msgs_py.log.row_form import NONE, TIMES, RowForm, head_of
 from space_robot_msgs_py.topics import (
     BASE_IMU,
     BASE_ODOM,
@@ -55,6 +55,7 @@ class TickBlock:
     Attributes:
         names: of the topics of the records, in their order.
         sizes: of the messages of ``LOGGED`` [bytes], or ``NONE``.
+        forms: what its writer keeps of it, by the sizes of the messages that follow from a tick.
     """
 
     def __init__(self, codec: TickCodec, tick: Tick) -> None:
@@ -67,6 +68,7 @@ class TickBlock:
         topics = [topic for topic in LOGGED if topic in _HOLES]
         self.names = tuple(topic.name for topic in topics)
         self.sizes = tuple([layouts[topic].size if topic in _HOLES else NONE for topic in LOGGED])
+        self.forms: dict[tuple[int, ...], tuple[RowForm, RowForm]] = {}
         self._pattern = b"".join(_record(topic, layouts[topic]) for topic in topics)
 
     def fits(self, tick: Tick) -> bool:

@@ -122,7 +122,11 @@ class LogWriter:
         derived = [self._frames.of(tick.sample.state)]
         derived += [angles.at(tick.stamp, q[3:7]) for (angles, _), q in zip(_ANGLES, poses, strict=True)]
         sizes = sizes_of(derived)
-        form, behind = self._rows.form(block.sizes + sizes), self._rows.form(_NO_MESSAGES + sizes)
+        forms = block.forms.get(sizes)
+        if forms is None:
+            # Of all records, and of those that are made here.
+            forms = block.forms[sizes] = self._rows.form(block.sizes + sizes), self._rows.form(_NO_MESSAGES + sizes)
+        form, behind = forms
         records = block.records(tick, sequence)
         self._rows.count(block.names)
         records += self._rows.records(tick.stamp, [None] * len(LOGGED) + derived, behind)

@@ -192,6 +192,18 @@ def test_decode_part_and_join_are_decode():
     assert values.bits(codec.join(state.stamp, [blocks for _, blocks in decoded])) == values.bits(state)
 
 
+def test_a_part_that_is_heard_is_read_like_any_other():
+    """The short way of canonical bytes gives what the long way of other bytes gives, which refuses what is too long."""
+    state = replace(values.run_ticks(3)[2].sample.state, wheel_momentum=None)
+    codec = StateCodec(values.NAMES)
+    for index, raw in enumerate(codec.encode(state)):
+        found = codec.hear_part(index, raw)
+        assert found == codec.decode_part(index, raw) == codec.hear_part(index, raw + b"\0\0\0\0")
+        assert {type(one) for one in (found[1], codec.hear_part(index, raw + bytes(4))[1])} == {tuple}
+        with pytest.raises(LayoutError):
+            codec.hear_part(index, raw + bytes(10**6))
+
+
 @pytest.mark.parametrize("stamp", [-1, 2**53, 2**60])
 def test_telemetry_stamp_must_be_exact(stamp):
     """A stamp float64 cannot hold exactly is refused."""

@@ -13,7 +13,7 @@ from space_robot_msgs_py.log.mcap.index import CHUNK_SIZE
 from space_robot_msgs_py.log.mcap.positions import Positions, Shape
 from space_robot_msgs_py.log.run_directory import RunDirectory
 from space_robot_msgs_py.log.writer import LogSink
-from tests.msgs_py.log.test_tick_block import NAMES, URDF, tick_of
+from tests.support.log_ticks import NAMES, URDF, tick_of
 
 
 def sink_of(directory: Path, count: int) -> LogSink:
