@@ -54,7 +54,8 @@ class Nursery:
     @property
     def usable(self) -> bool:
         """It is there, belongs to this process, and was started in an environment like the present one."""
-        return self.owner == os.getpid() and self._process.poll() is None and self.read_once == read_once(os.environ)
+        alive = self._socket.fileno() >= 0 and self.owner == os.getpid() and self._process.poll() is None
+        return alive and self.read_once == read_once(os.environ)
 
     def fork(
         self,
@@ -110,6 +111,10 @@ class Nursery:
                 return loads(self._socket.recv(REQUEST_BYTES) or b"null")
         except (OSError, ValueError):
             return None
+        except BaseException:
+            # Of a signal: the answer that still comes must not be taken for another one's.
+            self._socket.close()
+            raise
 
     @property
     def pid(self) -> int:
