@@ -81,11 +81,14 @@ class Plant(Protocol):
 
 
 @runtime_checkable
-class BrakedPlant(Protocol):
-    """A plant whose joints have brakes."""
+class SupervisedPlant(Protocol):
+    """A plant on which the mode of a supervisor acts beside the controller."""
 
     def close_brakes(self, closed: bool) -> None:
-        """Close all of them, or open them, from the next step on."""
+        """Close the brakes of all joints, or open them, from the next step on."""
+
+    def unload_wheels(self, on: bool) -> None:
+        """Let thrusters unload the wheels, or not, from the next step on."""
 
 
 class ReferenceSource(Protocol):

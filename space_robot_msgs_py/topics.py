@@ -100,8 +100,8 @@ SUPERVISOR_MODE = Topic(
     "supervision",
     "supervisor",
     "the mode that holds from the stamp on, one status: message is its name, values are `law`, `reference`, `since` "
-    "[ns] and `answer` [ns], the age of the newest command it knew of, and `brakes`, where those of the joints are "
-    "closed; the controller answers the state when it has it",
+    "[ns] and `answer` [ns], the age of the newest command it knew of, and where it is so `brakes` (closed are those "
+    "of the joints) and `wheels` (thrusters unload them); the controller answers the state when it has it",
     optional=True,
 )
 WRENCH_COMMAND = Topic(
@@ -205,6 +205,16 @@ RUN_END = Topic(
     latched=True,
     recorded=False,
 )
+HEARTBEAT = Topic(
+    "heartbeat",
+    "std_msgs/msg/String",
+    "tool",
+    "every node",
+    "the role of a node whose executor runs, five times a second of the steady clock; only of nodes of a paced run "
+    "that were started one by one",
+    recorded=False,
+    deterministic=False,
+)
 RECORDER_CREDIT = Topic(
     "recorder/credit",
     "rosgraph_msgs/msg/Clock",
@@ -221,8 +231,9 @@ ACCEPTED_COMMAND = Topic(
     "simulator",
     "the commands the simulator accepted, as blocks `stamp` [ns], `wrench`, `effort`; without numbers: the period of "
     "the stamp had none; with a block `too_late`: it can act no more; of two controllers with a block `acting:NAME`: "
-    "the one that answers next, and how many states were answered. Always in a paced run; in lock-step only where a "
-    "node listens, as the recorder does once commands have more than one publisher",
+    "the one that answers next, how many states were answered, and the first state of its turn [ns], and with a block "
+    "`eventI:LINE` for each event of `controller/events` that belongs to the command. Always in a paced run; in "
+    "lock-step only where a node listens, as the recorder does once commands have more than one publisher",
     recorded=False,
 )
 CLOCK = Topic(
@@ -269,6 +280,7 @@ TABLE: tuple[Topic, ...] = (
     REFERENCE_ATTITUDE,
     RUN_BEGIN,
     RUN_END,
+    HEARTBEAT,
     RECORDER_CREDIT,
     ACCEPTED_COMMAND,
     CLOCK,

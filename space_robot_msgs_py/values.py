@@ -203,6 +203,7 @@ class Supervision:
         events: what was found at this stamp, and what was done about it.
         housekeeping: a summary, where one is due.
         brakes: the brakes of all joints are closed.
+        unload: thrusters unload the wheels.
     """
 
     stamp: int
@@ -214,6 +215,7 @@ class Supervision:
     events: tuple[DiagnosticEvent, ...] = ()
     housekeeping: Telemetry | None = None
     brakes: bool = False
+    unload: bool = False
 
 
 @dataclass(frozen=True, slots=True)

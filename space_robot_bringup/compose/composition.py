@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
-from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes
-from space_robot_bringup.compose.robots import initial_state, nominal_spec, unladen, variant_of
+from space_robot_bringup.compose.knowledge import nominal_spec, with_knowledge
+from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes, check_unloading
+from space_robot_bringup.compose.robots import initial_state, unladen, variant_of
 from space_robot_bringup.compose.versions import versions
 from space_robot_bringup.experiment.expectations import AnyExpectation
 from space_robot_bringup.experiment.experiment import Experiment, to_yaml
@@ -102,6 +103,11 @@ class Composition:
         return self.experiment.supervision is not None and self.experiment.supervision.brakes
 
     @property
+    def unloads(self) -> bool:
+        """The supervisor may have thrusters unload the wheels."""
+        return self.experiment.supervision is not None and self.experiment.supervision.unloads
+
+    @property
     def loses_commands(self) -> bool:
         """Faults keep commands from the plant: what acted does not tell what was sent."""
         return self.faults is not None and CommandWire(self.faults).faulty
@@ -130,7 +136,8 @@ class Composition:
         """A new plant in its initial state."""
         seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
         initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
-        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults, self.braked)
+        modes = self.braked, self.unloads
+        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults, *modes)
         return PLANTS[spec.kind].make(spec, parts)
 
     def controller(self) -> Law:
@@ -235,12 +242,11 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
 
         check_supervision(experiment)
     robot = load(experiment.robot)
-    nominal = variant_of(robot, nominal_spec(experiment), seeds[0])
-    known = experiment.nominal
-    nominal = replace(nominal, command_delay=known.delay_periods, knows_friction=known.friction)
+    nominal = with_knowledge(variant_of(robot, nominal_spec(experiment), seeds[0]), experiment.nominal)
     truth = variant_of(robot, experiment.plant, seeds[1])
     q0, v0 = initial_state(experiment.initial, robot)
     check_brakes(experiment, truth)
+    check_unloading(experiment, truth)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)

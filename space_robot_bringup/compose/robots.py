@@ -6,34 +6,15 @@ from math import radians
 
 import numpy as np
 
-from space_robot_bringup.experiment.experiment import Experiment, Initial
+from space_robot_bringup.experiment.experiment import Initial
 from space_robot_bringup.experiment.plant import ModelSpec
 from space_robot_control.references.targets import check_limits
 from space_robot_description.dispersion import disperse
-from space_robot_description.payload import attach_payload, known_part
+from space_robot_description.payload import attach_payload
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy
 from space_robot_description.spec import expand
-from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
-
-
-def nominal_spec(experiment: Experiment) -> ModelSpec:
-    """What ``nominal`` says, with its payload where it says a fraction of the real one.
-
-    Raises:
-        SpecError: there is no payload to know of.
-    """
-    nominal, real = experiment.nominal, experiment.plant.payload
-    if nominal.payload_known is None:
-        return nominal
-    if real is None:
-        accepted = "a plant.payload to know of"
-        raise SpecError(
-            "there is no payload", key="nominal.payload_known", value=nominal.payload_known, accepted=accepted
-        )
-    payload = known_part(real, nominal.payload_known) if nominal.payload_known else None
-    return nominal.model_copy(update={"payload": payload})
 
 
 def unladen(spec: ModelSpec) -> ModelSpec:

@@ -13,6 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.ends import of_process
 from space_robot_bringup.modes.chaos import Blow, plan
 from space_robot_bringup.modes.context import reservations, reserved_domain
 from space_robot_bringup.modes.forked import ForkedProcess
@@ -205,7 +206,7 @@ class _NodeProcesses:
         for role in self._beats.silent():
             if role in CONTROLLERS and not self._has_another(role):
                 continue
-            self._causes[role] = f"{role}: its process was silent for {SILENT_SECONDS:g} s"
+            self._causes[role] = of_process(role, f"was silent for {SILENT_SECONDS:g} s")
             self._beats.forget(role)
             self._children[role].kill()
 
@@ -255,16 +256,16 @@ class _NodeProcesses:
         try:
             code = child.wait(END_SECONDS)
         except subprocess.TimeoutExpired:
-            return f"{role}: its process let go of the run"
+            return of_process(role, "let go of the run")
         what = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-        return f"{role}: its process ended with {what}"
+        return of_process(role, f"ended with {what}")
 
     def _close_log(self, reason: str) -> str:
         """In place of a recorder that is no more, or that never gets there."""
         recorder = self._children.get(RECORDER)
         if RECORDER in self._tethers and self._beats.is_late(RECORDER) and reason == "completed":
             # The plant got to its end, but the log did not.
-            reason = f"{RECORDER}: its process was silent"
+            reason = of_process(RECORDER, "was silent")
         if recorder is not None:
             recorder.kill()
             recorder.wait()

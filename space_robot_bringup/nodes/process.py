@@ -30,6 +30,7 @@ from space_robot_bringup.modes.hooks import STANDBY, SUPERVISOR
 from space_robot_bringup.modes.signals import Interrupted, RunStop
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ChildEnd
 from space_robot_bringup.nodes.arguments import Start, composed, parser, split_ros_arguments, start_from
+from space_robot_bringup.nodes.graph_beats import GraphBeats
 from space_robot_bringup.nodes.patience import Patience
 from space_robot_bringup.nodes.waiting import WaitNotes
 from space_robot_control.laws.policy import TYPED
@@ -111,7 +112,7 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
         if isinstance(node, RecorderNode):
             watches.append(_progress(node, composition.experiment.period, tether))
         if start.realtime:
-            watches.append(beating(tether))
+            watches.append(beating(tether) if options.tether is not None else GraphBeats(node, options.role).look)
         code = _spin(node, stop, tether, watches, log=options.tether is None)
         if options.debug and node.failure is not None:
             traceback.print_exception(node.failure)
