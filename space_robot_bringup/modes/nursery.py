@@ -8,34 +8,27 @@ from __future__ import annotations
 
 import atexit
 import os
-import signal
 import socket
 import subprocess
 import sys
 import threading
-import traceback
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from fcntl import F_DUPFD, fcntl
-from importlib import import_module
 from json import dumps, loads
-from multiprocessing.connection import wait
-from typing import Any, Never
+from typing import Any
 
-from space_robot_bringup.modes.forked import ForkedProcess, Status
+from space_robot_bringup.modes.forked import ForkedProcess
+from space_robot_bringup.modes.nursery_process import REQUEST_BYTES, STDERR
 from space_robot_bringup.modes.pinned import PINNED
 from space_robot_msgs_py.errors import SilenceError
 
 START = (
-    "import sys; sys.path[:] = {path!r}; from space_robot_bringup.modes.nursery import main; "
+    "import sys; sys.path[:] = {path!r}; from space_robot_bringup.modes.nursery_process import main; "
     "main(int(sys.argv[1]), sys.argv[2])"
 )
 # What Python, numba, numeric libraries, the linker and ROS read once, as they are loaded.
 READ_ONCE = ("NUMBA_", "PYTHON", "LD_", "OMP_", "OPENBLAS_", "MKL_", "ROS_", "RMW_", "FAST", "AMENT_", "RCUTILS_")
 # A domain belongs to a run.
 OF_A_RUN = ("ROS_DOMAIN_ID",)
-REQUEST_BYTES, MAX_DESCRIPTORS = 1 << 20, 64
-STDERR = 2
 
 
 class Nursery:
@@ -61,7 +54,8 @@ class Nursery:
     @property
     def usable(self) -> bool:
         """It is there, belongs to this process, and was started in an environment like the present one."""
-        return self.owner == os.getpid() and self._process.poll() is None and self.read_once == read_once(os.environ)
+        alive = self._socket.fileno() >= 0 and self.owner == os.getpid() and self._process.poll() is None
+        return alive and self.read_once == read_once(os.environ)
 
     def fork(
         self,
@@ -81,8 +75,8 @@ class Nursery:
         Raises:
             SilenceError: the nursery is gone, or the system has no room for another process.
         """
-        place = os.open(".", getattr(os, "O_PATH", os.O_RDONLY))
         status, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        place = os.open(".", getattr(os, "O_PATH", os.O_RDONLY))
         request = {
             "function": function,
             "arguments": arguments,
@@ -92,7 +86,7 @@ class Nursery:
         }
         try:
             with theirs:
-                answer = self._ask(dumps(request).encode(), [theirs.fileno(), place, STDERR, *descriptors])
+                answer = self._ask(request, [theirs.fileno(), place, STDERR, *descriptors])
         finally:
             os.close(place)
         if not isinstance(answer, int):
@@ -100,14 +94,27 @@ class Nursery:
             raise SilenceError(f"no process can be started ({answer or 'what starts them is gone'})")
         return ForkedProcess(answer, status)
 
-    def _ask(self, request: bytes, descriptors: list[int]) -> Any:
+    def prepare(self, function: str, descriptor: int) -> None:
+        """Call a function in the nursery itself: what it loads is there in all that is forked from now on.
+
+        Args:
+            function: ``module:function``, called with a descriptor; what it raises is left to the processes to say.
+            descriptor: of a file.
+        """
+        self._ask({"prepare": function}, [descriptor])
+
+    def _ask(self, request: dict[str, Any], descriptors: list[int]) -> Any:
         try:
             # Two threads that ask at once must not get each other's answers.
             with self._asking:
-                socket.send_fds(self._socket, [request], descriptors)
+                socket.send_fds(self._socket, [dumps(request).encode()], descriptors)
                 return loads(self._socket.recv(REQUEST_BYTES) or b"null")
         except (OSError, ValueError):
             return None
+        except BaseException:
+            # Of a signal: the answer that still comes must not be taken for another one's.
+            self._socket.close()
+            raise
 
     @property
     def pid(self) -> int:
@@ -148,103 +155,3 @@ def _close_kept() -> None:
 def read_once(environment: Mapping[str, str]) -> dict[str, str]:
     """The variables that a process which is running already does not read again."""
     return {name: value for name, value in environment.items() if name.startswith(READ_ONCE) and name not in OF_A_RUN}
-
-
-def main(descriptor: int, preloaded: str) -> Never:
-    """The nursery itself: fork until the other end is closed, and say how each process ended."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)
-    wake, alarm = socket.socketpair()
-    for end in (wake, alarm):
-        end.setblocking(False)
-    # With a handler of Python's a signal is written to the pipe.
-    signal.set_wakeup_fd(alarm.fileno(), warn_on_full_buffer=False)
-    signal.signal(signal.SIGCHLD, lambda number, frame: None)
-    with suppress(ImportError):
-        import_module(preloaded)
-    channel = socket.socket(fileno=descriptor)
-    children: dict[int, Status] = {}
-    while True:
-        for ready in wait([channel, wake]):
-            if ready is wake:
-                with suppress(BlockingIOError):
-                    wake.recv(4096)
-            elif not _obey(channel, children):
-                # The interpreter's own end takes half a second, for which the other end would wait.
-                os._exit(0)
-        _report(children)
-
-
-def _obey(channel: socket.socket, children: dict[int, Status]) -> bool:
-    """Fork what is asked for; False: the other end is closed."""
-    try:
-        request, handles, _, _ = socket.recv_fds(channel, REQUEST_BYTES, MAX_DESCRIPTORS)
-    except OSError:
-        return False
-    if not request:
-        return False
-    answer: int | str
-    try:
-        answer = os.fork()
-    except OSError as error:
-        answer = str(error.strerror)
-    if answer == 0:
-        _become(loads(request), handles[1:])
-    status, *others = handles
-    for handle in others:
-        os.close(handle)
-    if isinstance(answer, int):
-        children[answer] = Status(status)
-    else:
-        os.close(status)
-    channel.send(dumps(answer).encode())
-    return True
-
-
-def _report(children: dict[int, Status]) -> None:
-    for pid in list(children):
-        done, code = os.waitpid(pid, os.WNOHANG)
-        if done:
-            children.pop(pid).tell(os.waitstatus_to_exitcode(code))
-
-
-def _become(request: dict[str, Any], handles: list[int]) -> Never:
-    """Be the process that was asked for; never returns. SIGINT and SIGTERM are ignored until it does otherwise."""
-    code = 1
-    try:
-        signal.set_wakeup_fd(-1)
-        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        _take_over(handles, [STDERR, *request["descriptors"]])
-        os.environ.clear()
-        os.environ.update(request["environment"])
-        sys.path[:] = request["path"]
-        module, _, name = request["function"].partition(":")
-        code = getattr(import_module(module), name)(*request["arguments"]) or 0
-    except SystemExit as end:
-        code = end.code if isinstance(end.code, int) else int(end.code is not None)
-    except BaseException:
-        traceback.print_exc()
-    finally:
-        with suppress(Exception):
-            sys.stdout.flush()
-            sys.stderr.flush()
-        os._exit(code)
-
-
-def _take_over(handles: list[int], numbers: list[int]) -> None:
-    """The first handle is the working directory, the others get these numbers, and all else is closed.
-
-    A line that another process holds has no end.
-    """
-    place, *others = handles
-    os.fchdir(place)
-    aside = [fcntl(handle, F_DUPFD, max(numbers) + 1) for handle in others]
-    for name in os.listdir("/proc/self/fd"):
-        if int(name) > STDERR and int(name) not in aside:
-            with suppress(OSError):
-                os.close(int(name))
-    for handle, number in zip(aside, numbers, strict=True):
-        os.dup2(handle, number)
-        os.close(handle)
-    os.dup2(STDERR, 1)
-    sys.stdout.reconfigure(line_buffering=os.isatty(1))  # type: ignore[union-attr]

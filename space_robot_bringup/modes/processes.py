@@ -19,7 +19,7 @@ from space_robot_bringup.modes.context import reservations, reserved_domain
 from space_robot_bringup.modes.forked import ForkedProcess
 from space_robot_bringup.modes.heartbeats import SILENT_SECONDS, Heartbeats
 from space_robot_bringup.modes.hooks import roles_of
-from space_robot_bringup.modes.starting import start_node
+from space_robot_bringup.modes.starting import prepare_nodes, start_node
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ParentEnd
 from space_robot_msgs_py.codec.accepted import CONTROLLERS
 from space_robot_msgs_py.errors import LogError
@@ -71,6 +71,7 @@ def run_processes(
         starts = {role: (late or {}).get(role, 0.0) for role in roles}
         blows = () if chaos is None else plan(chaos, composition.experiment.steps, roles)
         arguments = _arguments(realtime, hooks, failover)
+        prepare_nodes(experiment.fileno())
         children = _NodeProcesses(directory, arguments, experiment.fileno(), domain, starts, blows)
         try:
             return children.watch(hooks)

@@ -9,6 +9,18 @@ from space_robot_bringup.modes.nursery import nursery
 
 PROGRAM = "space_robot_bringup.nodes.process"
 
+# What it loads: nodes of all roles, and the compiler.
+LOADED = "space_robot_bringup.modes.graph"
+
+
+def prepare_nodes(experiment: int) -> None:
+    """Load once what every node of a run would load for itself.
+
+    Args:
+        experiment: descriptor of a file with the resolved experiment, which was checked before.
+    """
+    nursery(LOADED).prepare(f"{PROGRAM}:prepare", experiment)
+
 
 def start_node(arguments: Sequence[str], environment: Mapping[str, str], descriptors: Sequence[int]) -> ForkedProcess:
     """``python -m space_robot_bringup.nodes.process`` with these arguments, role first, in a session of its own.
@@ -20,4 +32,4 @@ def start_node(arguments: Sequence[str], environment: Mapping[str, str], descrip
         environment: of its process.
         descriptors: open there under the same numbers; no other one of this process is.
     """
-    return nursery(PROGRAM).fork(f"{PROGRAM}:forked", *arguments, descriptors=descriptors, environment=environment)
+    return nursery(LOADED).fork(f"{PROGRAM}:forked", *arguments, descriptors=descriptors, environment=environment)

@@ -23,7 +23,7 @@ from rclpy.clock_type import ClockType
 from rclpy.context import Context
 
 from space_robot_bringup.compose.composition import Composition, compose, compose_world
-from space_robot_bringup.experiment.experiment import Experiment
+from space_robot_bringup.experiment.experiment import Experiment, load_experiment
 from space_robot_bringup.modes.context import domain_number, local_context
 from space_robot_bringup.modes.heartbeats import beating
 from space_robot_bringup.modes.hooks import STANDBY, SUPERVISOR
@@ -209,6 +209,17 @@ def _progress(node: RecorderNode, period: int, tether: ChildEnd) -> Callable[[],
             tether.tell(tick=node.written_until // period)
 
     return tell
+
+
+def prepare(experiment: int) -> None:
+    """Where nodes are forked: read the experiment and let its plant take a step, which loads kernels; no law is made.
+
+    Args:
+        experiment: descriptor of a file.
+    """
+    plant = _without_law(load_experiment(f"/dev/fd/{experiment}")).plant()
+    plant.reset()
+    plant.step(None)
 
 
 def forked(*arguments: str) -> Never:

@@ -40,6 +40,19 @@ def tell(descriptor: int) -> None:
     os.write(1, b"printed")
 
 
+def learn(descriptor: int) -> None:
+    os.fstat(descriptor)
+    sys.modules["learnt_by_the_nursery"] = sys
+
+
+def fail(descriptor: int) -> None:
+    raise ValueError("nothing learnt")
+
+
+def knows(name: str) -> int:
+    return int(name in sys.modules)
+
+
 def forked(function: Any, *arguments: Any, **options: Any) -> ForkedProcess:
     return nursery(PRELOADED).fork(f"{__name__}:{function.__name__}", *arguments, **options)
 
@@ -93,3 +106,15 @@ def test_a_process_outlives_its_nursery() -> None:
     with pytest.raises(SilenceError, match="no process can be started"):
         source.fork(f"{__name__}:{stay.__name__}")
     source.close()
+
+
+def test_what_a_nursery_has_prepared_is_there_in_what_it_forks(tmp_path: Path) -> None:
+    """What comes later has it, what was there before has not; a function that raises is no harm."""
+    with (tmp_path / "file").open("w+") as file:
+        source = Nursery(PRELOADED)
+        arguments = (f"{__name__}:{knows.__name__}", "learnt_by_the_nursery")
+        assert source.fork(*arguments).wait(60.0) == 0
+        for function in (fail, learn):
+            source.prepare(f"{__name__}:{function.__name__}", file.fileno())
+        assert source.fork(*arguments).wait(60.0) == 1
+        source.close()
