@@ -12,6 +12,7 @@ import sys
 import traceback
 from argparse import Namespace
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from math import inf
 from pathlib import Path
 from time import monotonic
@@ -208,6 +209,19 @@ def _progress(node: RecorderNode, period: int, tether: ChildEnd) -> Callable[[],
             tether.tell(tick=node.written_until // period)
 
     return tell
+
+
+def forked(*arguments: str) -> Never:
+    """A node in a process that a nursery forked: in a session of its own, known to the system by its role.
+
+    Ctrl-C in the terminal reaches only the process that started the run, which then ends its nodes in order.
+    """
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    with suppress(OSError):
+        Path("/proc/self/comm").write_text(arguments[0])
+    leave(main([*arguments]))
 
 
 def leave(code: int) -> Never:
