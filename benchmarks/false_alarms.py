@@ -1,13 +1,18 @@
 """No false alarm: nominal tasks of dispersed robots with noisy sensors under every shipped table, 0 changes of mode.
 
-python -m benchmarks.false_alarms [ROBOTS [PERIODS]]
+python -m benchmarks.false_alarms [ROBOTS [PERIODS [FILE]]]
+
+With a FILE what is found of each robot is a line of it, and what it has already is not run again, so that it may be
+interrupted at any time and goes on.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 from collections import Counter
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from space_robot_bringup.compose.composition import compose
@@ -85,20 +90,41 @@ def watch(table: str, seed: int, periods: int) -> Watcher:
     return watcher
 
 
+def found(table: str, seed: int, periods: int) -> dict[str, Any]:
+    """What a robot showed, as plain data."""
+    watcher = watch(table, seed, periods)
+    key = {"table": table, "seed": seed, "periods": periods}
+    return key | {"end": watcher.end_reason, "modes": sorted(watcher.modes), "events": dict(watcher.events)}
+
+
+def known(path: Path | None) -> dict[tuple[str, int, int], dict[str, Any]]:
+    """What a file has of robots, by table, seed and periods; a line that was cut is none."""
+    rows = []
+    for line in path.read_text().splitlines() if path is not None and path.exists() else ():
+        try:
+            rows.append(json.loads(line))
+        except ValueError:
+            continue
+    return {(row["table"], row["seed"], row["periods"]): row for row in rows}
+
+
 def main(arguments: list[str]) -> int:
     """Run all tables; 1 where a mode changed or a run did not complete."""
-    robots = int(arguments[0]) if arguments else ROBOTS
-    periods = int(arguments[1]) if len(arguments) > 1 else PERIODS
-    wrong = 0
+    robots, periods = (int(one) for one in (*arguments[:2], *(ROBOTS, PERIODS)[len(arguments[:2]) :]))
+    path = Path(arguments[2]) if len(arguments) > 2 else None
+    rows, wrong = known(path), 0
     for table in shipped("supervision"):
         events: Counter[str] = Counter()
         for seed in range(robots):
-            watcher = watch(table, seed, periods)
-            events += watcher.events
-            if watcher.end_reason != "completed" or watcher.modes != {"NOMINAL"}:
+            row = rows.get((table, seed, periods)) or found(table, seed, periods)
+            if path is not None and (table, seed, periods) not in rows:
+                with path.open("a") as file:
+                    file.write(f"{json.dumps(row)}\n")
+            events.update(row["events"])
+            if row["end"] != "completed" or row["modes"] != ["NOMINAL"]:
                 wrong += 1
-                print(f"{table}, seed {seed}: {watcher.end_reason}, {sorted(watcher.modes)}, {dict(watcher.events)}")
-        print(f"{table}: {robots} robots x {periods} periods, events: {dict(events) or 'none'}")
+                print(f"{table}, seed {seed}: {row['end']}, {row['modes']}, {row['events']}")
+        print(f"{table}: {robots} robots x {periods} periods, events: {dict(events) or 'none'}", flush=True)
     return 1 if wrong else 0
 
 

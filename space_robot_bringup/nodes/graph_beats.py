@@ -22,8 +22,8 @@ class GraphBeats:
     """Says on ``heartbeat`` that the executor of a node runs, and ends a run of which another node is silent.
 
     A node that was stopped itself gives the others as long again, see ``Heartbeats``. Before the run has begun nothing
-    is missed: who compiles says nothing. A node that is silent cannot be killed from here; when it goes on it hears
-    that the run is over.
+    is missed: who compiles says nothing. A node that is silent cannot be killed from here; when it goes on it misses
+    the others, and ends.
 
     Args:
         node: that says so.

@@ -51,6 +51,8 @@ class RedundantControllerNode(ControllerNode):
         self, make_law: Callable[[], Law], joint_names: tuple[str, ...], *, period: int, **options: Any
     ) -> None:
         super().__init__(make_law, joint_names, paced=True, **options)
+        # The first state of the turn in which it answers; None: it stands by.
+        self._began: int | None = None
         self._period, self._codec = period, AcceptedCodec()
         self._forget()
         self.listen(ACCEPTED_COMMAND, self._on_accepted)
@@ -59,7 +61,8 @@ class RedundantControllerNode(ControllerNode):
     def configure(self) -> None:
         """Build the law, which knows of no state before."""
         super().configure()
-        self._alike, self._began = self._until < 0, None
+        self._alike = self._until < 0
+        self._began = None
 
     def activate(self) -> None:
         """Answer the newest state, where it is its turn."""
@@ -91,8 +94,7 @@ class RedundantControllerNode(ControllerNode):
         self._followed: deque[Accepted] = deque()
         # What was heard last, and the newest period of which something was.
         self._turn, self._until = Accepted(-self._period, None, acting=CONTROLLERS[0]), -self._period
-        # The first state of the turn in which it answers; None: it stands by.
-        self._began: int | None = None
+        self._began = None
         # How many states this law has answered: those in the log, in the same way, where alike.
         self._answers, self._alike = 0, True
         # It has heard of all changes of gains.
@@ -102,7 +104,7 @@ class RedundantControllerNode(ControllerNode):
 
     @property
     def _is_turn(self) -> bool:
-        return self._turn.acting == self.get_name()
+        return bool(self._turn.acting == self.get_name())
 
     def _on_accepted(self, raw: bytes) -> None:
         try:

@@ -15,8 +15,8 @@ class Turns:
     has ``PATIENCE`` times as long for its first answer. A turn changes at the end of a period only, and every node is
     notified of it with what became of the command of that period: so each knows, before it answers a state, whose turn
     that is. In a turn only states of that turn are answered, in their order: those that come after the end of the
-    period at which it began. What was answered before, whoever it comes from and however late, is no answer; so all
-    answers that count are, by their stamps, those of one turn after those of another one.
+    period at which it began. An answer to any other state is refused, from either of them; so the answers that count
+    are, by their stamps, those of one turn after those of another one.
 
     Where an answer comes too late to act, its controller begins a turn anew, with the state after the one that waits:
     it learns so, before it answers that state, that its law remembers what the run does not.

@@ -28,7 +28,7 @@ def test_every_key_and_value_is_on_the_page() -> None:
 def test_the_tables_on_the_page_compose() -> None:
     """As sections of an experiment."""
     sections = re.findall(r"```yaml\n(supervision:.*?)```", PAGE, re.DOTALL)
-    assert len(sections) == 3
+    assert len(sections) == 4
     for section in sections:
         case = "point_to_point/panda_sat" if "panda_sat" in section else "liu2023/fig08"
         experiment = load_experiment(case, {"duration": 100.0} | dict(parse_yaml_text(section, "docs/supervision.md")))

@@ -30,7 +30,13 @@ def pair(
     overrides = ("duration=10.0", *law, *overrides)
     roles = roles_of(supervised=supervised, failover=True)
     with running_graph(place, *overrides, roles=roles, realtime=SLOW, failover=AFTER) as robot:
-        # The controllers may be matched later than the simulator starts.
+        # The controllers may be matched later than the simulator starts, and paced the first state is not said again.
+        robot.spin_until(lambda: robot.simulator.started, "the start")
+        listeners = len(roles) - 2
+        robot.spin_until(lambda: robot.simulator.count_subscribers("base/odom") >= listeners, "nodes that hear states")
+        robot.settle()
+        if not robot.simulator.commands.answered:
+            robot.simulator._say_again()
         robot.await_answer()
         robot.settle()
         yield robot
