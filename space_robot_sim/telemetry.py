@@ -9,6 +9,7 @@ import numpy as np
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Telemetry
 from space_robot_sim.command_hold import Acting
+from space_robot_sim.flexible.parts import FlexibleParts
 from space_robot_sim.kernel.period import PlantMemory
 
 BRAKES = "brakes"
@@ -23,11 +24,15 @@ class PlantTelemetry:
     (6, mean), ``applied_effort`` (n, mean), ``saturation`` (6+n, 0 or 1), ``joint_limit`` (n, how far outside [rad or
     m]), ``command_stamp`` (of the command that acted [ns], -1: none), ``force_ignored`` (free-floating robots: 1 if a
     force was commanded), ``integration_error`` (estimated errors of all steps so far, summed [m or rad]), ``brakes``
-    (n, only where brakes may close: in the last period 1 closed and holding, -1 closed and slipping, 0 open or none).
+    (n, only where brakes may close: in the last period 1 closed and holding, -1 closed and slipping, 0 open or none);
+    of flexible robots ``flexible_NAME`` (2: position and rate of a hidden joint), ``motor_position`` and ``motor_rate``
+    (n, behind the gears, where one twists), ``flexible_energy`` (of springs and rotors, which is in ``energy``, too)
+    and ``dissipated_energy`` (by their dampers so far).
 
     Args:
         robot: the true robot.
         wheels: number of its reaction wheels.
+        flexible: what is flexible in it.
         estimated: the integration estimates its error.
         braked: brakes may close.
 
@@ -37,7 +42,9 @@ class PlantTelemetry:
         traits: limits (2, n) of the joints, whether the robot is free-floating, ``estimated``.
     """
 
-    def __init__(self, robot: Robot, wheels: int, *, estimated: bool = True, braked: bool = False) -> None:
+    def __init__(
+        self, robot: Robot, wheels: int, flexible: FlexibleParts, *, estimated: bool = True, braked: bool = False
+    ) -> None:
         n = robot.n
         blocks = {
             "true_configuration": 7 + n,
@@ -59,6 +66,9 @@ class PlantTelemetry:
             blocks["integration_error"] = 1
         if braked:
             blocks[BRAKES] = n
+        self._flexible = flexible
+        if flexible.more:
+            blocks |= flexible.blocks
         self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
         self.traits = np.array([robot.joint_lower, robot.joint_upper]), self._floating, estimated
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
@@ -66,7 +76,8 @@ class PlantTelemetry:
     def of(self, stamp: int, acting: Acting, plant: PlantMemory, brakes: Sequence[float] = ()) -> Telemetry:
         """Telemetry at a stamp [ns] after a period under the command ``acting``, with what the brakes did (n,)."""
         # On Python floats: at this size several times faster than on arrays.
-        joints = plant.y[7 : 7 + self._n].tolist()
+        n = self._n
+        joints = plant.y[7 : 7 + n].tolist()
         rest = [max(low - x, x - high, 0.0) for x, (low, high) in zip(joints, self._limits, strict=True)]
         rest.append(float(acting.stamp))
         if self._floating:
@@ -75,13 +86,14 @@ class PlantTelemetry:
             rest.append(float(plant.scratch.error[0]))
         rest += brakes
         parts = (
-            plant.y[: 13 + 2 * self._n],
+            *self._flexible.true(plant.y),
             plant.now[:7],
             plant.gauges[:4],
             plant.wheels,
             plant.allocation.wrench,
-            plant.effort,
-            plant.allocation.saturated,
+            plant.effort[:n],
+            plant.allocation.saturated[: 6 + n],
             np.array(rest),
+            *self._flexible.shown(plant.y),
         )
         return Telemetry(stamp, self.labels, self.sizes, np.concatenate(parts))
