@@ -12,7 +12,7 @@ from space_robot_sim.command_hold import Acting
 from space_robot_sim.flexible.parts import FlexibleParts
 from space_robot_sim.kernel.period import PlantMemory
 
-BRAKES = "brakes"
+BRAKES, UNLOADING = "brakes", "unloading"
 
 
 class PlantTelemetry:
@@ -24,10 +24,11 @@ class PlantTelemetry:
     (6, mean), ``applied_effort`` (n, mean), ``saturation`` (6+n, 0 or 1), ``joint_limit`` (n, how far outside [rad or
     m]), ``command_stamp`` (of the command that acted [ns], -1: none), ``force_ignored`` (free-floating robots: 1 if a
     force was commanded), ``integration_error`` (estimated errors of all steps so far, summed [m or rad]), ``brakes``
-    (n, only where brakes may close: in the last period 1 closed and holding, -1 closed and slipping, 0 open or none);
-    of flexible robots ``flexible_NAME`` (2: position and rate of a hidden joint), ``motor_position`` and ``motor_rate``
-    (n, behind the gears, where one twists), ``flexible_energy`` (of springs and rotors, which is in ``energy``, too)
-    and ``dissipated_energy`` (by their dampers so far).
+    (n, only where brakes may close: in the last period 1 closed and holding, -1 closed and slipping, 0 open or none),
+    ``unloading`` (4, only where thrusters may unload the wheels: 1 where they did, and their mean torque); of flexible
+    robots ``flexible_NAME`` (2: position and rate of a hidden joint), ``motor_position`` and ``motor_rate`` (n, behind
+    the gears, where one twists), ``flexible_energy`` (of springs and rotors, which is in ``energy``, too) and
+    ``dissipated_energy`` (by their dampers so far).
 
     Args:
         robot: the true robot.
@@ -35,6 +36,7 @@ class PlantTelemetry:
         flexible: what is flexible in it.
         estimated: the integration estimates its error.
         braked: brakes may close.
+        unloads: thrusters may unload the wheels.
 
     Attributes:
         labels: of the blocks.
@@ -43,7 +45,14 @@ class PlantTelemetry:
     """
 
     def __init__(
-        self, robot: Robot, wheels: int, flexible: FlexibleParts, *, estimated: bool = True, braked: bool = False
+        self,
+        robot: Robot,
+        wheels: int,
+        flexible: FlexibleParts,
+        *,
+        estimated: bool = True,
+        braked: bool = False,
+        unloads: bool = False,
     ) -> None:
         n = robot.n
         blocks = {
@@ -66,6 +75,8 @@ class PlantTelemetry:
             blocks["integration_error"] = 1
         if braked:
             blocks[BRAKES] = n
+        if unloads:
+            blocks[UNLOADING] = 4
         self._flexible = flexible
         if flexible.more:
             blocks |= flexible.blocks
@@ -73,8 +84,8 @@ class PlantTelemetry:
         self.traits = np.array([robot.joint_lower, robot.joint_upper]), self._floating, estimated
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
-    def of(self, stamp: int, acting: Acting, plant: PlantMemory, brakes: Sequence[float] = ()) -> Telemetry:
-        """Telemetry at a stamp [ns] after a period under the command ``acting``, with what the brakes did (n,)."""
+    def of(self, stamp: int, acting: Acting, plant: PlantMemory, modes: Sequence[float] = ()) -> Telemetry:
+        """Telemetry at a stamp [ns] after a period under the command ``acting``, with the blocks of modes."""
         # On Python floats: at this size several times faster than on arrays.
         n = self._n
         joints = plant.y[7 : 7 + n].tolist()
@@ -84,7 +95,7 @@ class PlantTelemetry:
             rest.append(float(any(acting.u[:3].tolist())))
         if self._estimated:
             rest.append(float(plant.scratch.error[0]))
-        rest += brakes
+        rest += modes
         parts = (
             *self._flexible.true(plant.y),
             plant.now[:7],
