@@ -8,6 +8,7 @@ from typing import Any
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.compose.diagnosis import all_of, diagnosed
+from space_robot_bringup.compose.flexibility import modes_of
 from space_robot_bringup.compose.foresight import foreseen
 from space_robot_bringup.compose.memory import what_is_not_forgotten
 from space_robot_bringup.experiment.experiment import read_experiment
@@ -90,7 +91,10 @@ def _experiment(composition: Composition) -> Checked:
     plan = composition.faults
     faults = () if plan is None else tuple(f"fault {one.label}: {plan.window(one)}" for one in plan.planned)
     memory = tuple(filter(None, [what_is_not_forgotten(composition)]))
-    return Checked(summary, nominal.notes + review.facts + faults, (*review.warnings, *memory, *foreseen(composition)))
+    modes = modes_of(spec, composition.truth)
+    return Checked(
+        summary, nominal.notes + review.facts + modes + faults, (*review.warnings, *memory, *foreseen(composition))
+    )
 
 
 def _campaign(name_or_path: str) -> Checked:

@@ -39,14 +39,18 @@ def capability(robot: Robot, period: int) -> Capability:
     return Capability(limit, acts, pulsed, minimum, axes, share, wheel_limit, preserve, *undisturbed)
 
 
-def motor_numbers(robot: Robot) -> Vector:
-    """(n, 4) lag [s], viscous [N m s/rad], Coulomb [N m] and Coulomb velocity [rad/s] of every joint."""
+def motor_numbers(robot: Robot, hidden: int = 0) -> Vector:
+    """(n, 4) lag [s], viscous [N m s/rad], Coulomb [N m] and Coulomb velocity [rad/s] of every joint.
+
+    Behind them come so many rows of joints without a motor.
+    """
     joints = robot.actuators.joints
     columns = [
         expand(values, robot.joint_names, f"actuators.joints.{name}", [0.0] * robot.n)
         for name, values in (("lag", joints.lag), ("viscous", joints.viscous), ("coulomb", joints.coulomb))
     ]
-    return np.column_stack([*columns, np.full(robot.n, joints.coulomb_velocity)])
+    driven = np.column_stack([*columns, np.full(robot.n, joints.coulomb_velocity)])
+    return np.vstack([driven, np.tile([0.0, 0.0, 0.0, 1.0], (hidden, 1))])
 
 
 def initial_wheels(robot: Robot) -> Vector:

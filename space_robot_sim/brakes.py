@@ -12,6 +12,7 @@ import pinocchio as pin
 from space_robot_description.kernel.arrays import RobotArrays, locked_joints, with_locked_joints
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.flexible.springs import DAMPING, STIFFNESS
 from space_robot_sim.kernel.period import PlantMemory
 from space_robot_sim.kernel.rhs import COULOMB, COULOMB_VELOCITY, LAG, STORED, VISCOUS
 from space_robot_sim.pinocchio_integrator import wrench_of
@@ -136,7 +137,7 @@ def _stopped(mass: Vector, v: Vector, held: Joints) -> tuple[Vector, Vector]:
 
 
 def _applied(plant: PlantMemory, motors: Vector, v: Vector, period: float) -> Vector:
-    """(6+n,) mean of what acts over the period [N, N m]: base, wheels with their momentum, motors less friction."""
+    """(6+n,) mean acting over the period [N, N m]: base, wheels with their momentum, motors, friction and springs."""
     allocation, n = plant.allocation, motors.shape[0]
     out = np.concatenate([allocation.wrench, allocation.effort])
     out[3:6] -= np.cross(v[3:6], allocation.segments[0, STORED : STORED + 3])
@@ -149,4 +150,6 @@ def _applied(plant: PlantMemory, motors: Vector, v: Vector, period: float) -> Ve
             out[6 + joint] += (plant.motors[joint] - out[6 + joint]) * late
         out[6 + joint] -= motors[joint, VISCOUS] * rate
         out[6 + joint] -= motors[joint, COULOMB] * np.tanh(rate / motors[joint, COULOMB_VELOCITY])
+    if plant.springs.size:
+        out[6:] -= plant.springs[:, STIFFNESS] * plant.y[7 : 7 + n] + plant.springs[:, DAMPING] * v[6:]
     return out

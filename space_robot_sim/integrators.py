@@ -28,7 +28,9 @@ def compiled(spec: IntegratorSpec) -> bool:
     return jit.COMPILED and spec.kernel != "pinocchio"
 
 
-def stepping(spec: IntegratorSpec, robot: RobotArrays, period: int, *, rough: bool = False) -> Stepping:
+def stepping(
+    spec: IntegratorSpec, robot: RobotArrays, period: int, *, rough: bool = False, fastest: float = 0.0
+) -> Stepping:
     """What the kernel is given.
 
     Args:
@@ -36,14 +38,16 @@ def stepping(spec: IntegratorSpec, robot: RobotArrays, period: int, *, rough: bo
         robot: its motors decide what ``auto`` means.
         period: control period [ns].
         rough: its joints get friction in the course of the run.
+        fastest: largest eigenvalue of its modes [1/s], where it is flexible.
 
     Raises:
-        SpecError: the period is not a whole number of nanoseconds per fixed step, or holds too many of them.
+        SpecError: the period is not a whole number of nanoseconds per fixed step, or holds too many of them; a step
+            does not resolve the fastest mode.
     """
     kind = method(spec, rough=rough or bool(robot.motors[:, [LAG, VISCOUS, COULOMB]].any()))
     step = period / NANOSECONDS
     if kind != "dop853_adaptive":
-        step /= fixed_steps(spec, kind, period)
+        step /= fixed_steps(spec, kind, period, fastest)
     # What the file says in so many words is done; `auto` looks at the error.
     code = DOP853_CHECKED if (spec.kind, kind) == ("auto", "dop853") else _CODES[kind]
     return Stepping(code, step, spec.rtol, spec.atol, np.zeros(1))

@@ -13,6 +13,7 @@ from space_robot_description.kernel.arrays import RobotArrays, locked_joints
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.rotations import cross, quaternion_rate, rotate_by_matrix, rotate_inverse
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_sim.flexible.springs import ANGLE, DAMPING, ROTOR, SPEED, STIFFNESS
 from space_robot_sim.kernel.disturbance import AT, PUSH, TWIST
 from space_robot_sim.kernel.rhs import (
     BEGIN,
@@ -93,24 +94,24 @@ class PinocchioIntegrator:
         force, torque, rate = segment[FORCE:TORQUE], segment[TORQUE:RATE], segment[RATE:STORED]
         momentum = [h + (t - segment[BEGIN]) * dh for h, dh in zip(segment[STORED:], rate, strict=True)]
         gyroscopic = cross(omega, momentum)
-        effort = self._effort(drive, t, rates)
+        dy = np.empty_like(y)
+        motor, effort, lost = self._efforts(drive, t, y, dy)
         self._tau[:3], self._tau[6:] = force, effort
         self._tau[3:6] = [torque[i] - rate[i] - gyroscopic[i] for i in range(3)]
         if drive.disturbance.size:
             self._tau[:6] += wrench_of(drive.disturbance, pose[3:])
         self._q[7:] = y[7 : 7 + n]
-        dy = np.empty_like(y)
         dy[7 + n : 13 + 2 * n] = self._acceleration(y[7 + n : 13 + 2 * n])
         dy[:3] = rotate_by_matrix(pose[3:], v)
         dy[3:7] = quaternion_rate(pose[3:], omega)
         dy[7 : 7 + n] = rates
         inertial, moment = rotate_by_matrix(pose[3:], force), rotate_by_matrix(pose[3:], torque)
         arm = cross(pose[:3], inertial)
-        dy[13 + 2 * n] = effort @ rates + sum(force[i] * v[i] + (torque[i] - rate[i]) * omega[i] for i in range(3))
+        dy[13 + 2 * n] = motor - lost + sum(force[i] * v[i] + (torque[i] - rate[i]) * omega[i] for i in range(3))
         dy[14 + 2 * n : 17 + 2 * n] = inertial
-        dy[17 + 2 * n :] = [arm[i] + moment[i] for i in range(3)]
+        dy[17 + 2 * n : 20 + 2 * n] = [arm[i] + moment[i] for i in range(3)]
         if drive.disturbance.size:
-            dy[13 + 2 * n :] += _counted(drive.disturbance, pose, twist)
+            dy[13 + 2 * n : 20 + 2 * n] += _counted(drive.disturbance, pose, twist)
         return dy
 
     def _acceleration(self, v: Vector) -> Vector:
@@ -124,6 +125,26 @@ class PinocchioIntegrator:
         out, mass = np.zeros(v.size), mass_matrix(model, self._q)
         out[free] = np.linalg.solve(mass[np.ix_(free, free)], right[free])
         return out
+
+    def _efforts(self, drive: Drive, t: float, y: Vector, dy: Vector) -> tuple[float, Vector, float]:
+        """Power of the motors less friction, efforts on the links, power lost in dampers; writes dy of the motors."""
+        n, springs = self._model.nv - 6, drive.springs
+        rates = y[13 + n : 13 + 2 * n]
+        if not springs.size:
+            effort = self._effort(drive, t, rates)
+            return float(effort @ rates), effort, 0.0
+        gears = np.flatnonzero(springs[:, ROTOR])
+        angle, speed = springs[gears, ANGLE].astype(int), springs[gears, SPEED].astype(int)
+        driven, twist, slip = rates.copy(), -y[7 : 7 + n], -rates
+        driven[gears], twist[gears], slip[gears] = y[speed], twist[gears] + y[angle], slip[gears] + y[speed]
+        effort = self._effort(drive, t, driven)
+        given, power = springs[:, STIFFNESS] * twist + springs[:, DAMPING] * slip, float(effort @ driven)
+        dy[angle], dy[speed] = y[speed], (effort - given)[gears] / springs[gears, ROTOR]
+        effort = effort + given
+        effort[gears] = given[gears]
+        lost = float(springs[:, DAMPING] @ slip**2)
+        dy[20 + 2 * n] = lost
+        return power, effort, lost
 
     def _effort(self, drive: Drive, t: float, rates: Vector) -> Vector:
         """Motor effort less friction."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,9 @@ from space_robot_sim.faults.joints import JointFriction
 from space_robot_sim.faults.plan import FaultPlan
 from space_robot_sim.faults.sensing import SensorStage
 from space_robot_sim.faults.wires import CommandWire
+from space_robot_sim.flexible.composed import check_composed
+from space_robot_sim.flexible.parts import FlexibleParts
+from space_robot_sim.flexible.spec import FlexibilitySpec
 from space_robot_sim.initial import InitialState as InitialState
 from space_robot_sim.integrators import compiled, stepping
 from space_robot_sim.kernel.allocation import allocate
@@ -79,6 +82,7 @@ class SimulatedRobot:
         braked: the brakes of its joints may close, see ``close_brakes``; what they do is in the telemetry.
         unloads: likewise thrusters and wheels, see ``unload_wheels``.
         disturbance: what pushes the base beside its actuators, at all times.
+        flexibility: what bends, twists and sloshes; None: all is rigid.
 
     Raises:
         SpecError: an argument does not fit the robot or the period.
@@ -101,6 +105,7 @@ class SimulatedRobot:
         braked: bool = False,
         unloads: bool = False,
         disturbance: DisturbanceSpec | None = None,
+        flexibility: FlexibilitySpec | None = None,
     ) -> None:
         if initial.q.size != 7 + robot.n:
             raise SpecError("wrong size", key="initial.q", value=initial.q.size, accepted=f"{7 + robot.n} numbers")
@@ -110,30 +115,39 @@ class SimulatedRobot:
         self._initial = initial
         self._hold = CommandHold(robot.n, delay_periods=delay_periods, hold=hold)
         self._monitor = CommandMonitor(monitor, command_limit(robot), robot.joint_names)
-        self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
+        self._flexible = FlexibleParts(flexibility, robot)
+        check_composed(self._flexible, robot, braked=braked, plan=faults)
+        self._visible = robot.n
+        # Joints that no motor drives stand behind the others, and are joints to all that integrates.
+        self._n, hidden = robot.n + self._flexible.hidden, self._flexible.hidden
+        self._period, self._seconds = control_period, control_period / NANOSECONDS
         self._changes = (RobotChange(0, robot), *changes)
-        self._robots = [robot_arrays(one.robot.model, motor_numbers(one.robot)) for one in self._changes]
+        self._models = [self._flexible.model(one.robot) for one in self._changes]
+        motors = [motor_numbers(one.robot, hidden) for one in self._changes]
+        self._robots = list(map(robot_arrays, self._models, motors))
         self._healthy = self._arrays = self._robots[0]
         self._able = capability(robot, control_period)
         self._plan = faults or FaultPlan((), control_period, 0)
-        self._brake_torque = brake_torque(robot)
+        self._brake_torque = np.concatenate([brake_torque(robot), np.zeros(hidden)])
         self._brakes = JointBrakes(self._seconds) if braked else None
         self._unloading = Unloading(robot, self._seconds) if unloads else None
-        self._actuation = ActuationStage(self._plan, robot.joint_names, self._able, self._brake_torque, self._seconds)
+        names = (*robot.joint_names, *self._flexible.names)
+        self._actuation = ActuationStage(self._plan, names, self._able, self._brake_torque, self._seconds)
         self._wire = CommandWire(self._plan)
         sensors = sensors or SensorSpec()
         check_wheels(sensors, robot)
         self._reads_wheels = sensors.wheel_momentum is not None
         self._sensing = SensorStage(self._plan, sensors)
-        self._how = stepping(spec, self._arrays, control_period, rough=bool(self._plan.of(JointFriction)))
+        rough, fastest = bool(self._plan.of(JointFriction)), self._flexible.fastest
+        self._how = stepping(spec, self._arrays, control_period, rough=rough, fastest=fastest)
         self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors, robot.n, control_period, seed)
-        self._telemetry = PlantTelemetry(
-            robot, self._wheels.size, estimated=spec.kind != "rk4", braked=braked, unloads=unloads
-        )
+        blocks: dict[str, Any] = {"estimated": spec.kind != "rk4", "braked": braked, "unloads": unloads}
+        self._telemetry = PlantTelemetry(robot, self._wheels.size, self._flexible, **blocks)
         push = NOTHING if disturbance is None else disturbance.numbers
-        self._memory = plant_memory(robot.n, self._wheels.size, len(robot.mimics))._replace(disturbance=push)
+        memory = plant_memory(self._n, self._wheels.size, len(robot.mimics), self._flexible.more)
+        self._memory = memory._replace(disturbance=push, springs=self._flexible.springs)
         self._context: Context | None = None
         if self._compiled:
             address = self.context().address
@@ -152,7 +166,7 @@ class SimulatedRobot:
         for array in (plant.motors, plant.effort, plant.largest, plant.scratch.error, self._how.next_step):
             array[:] = 0.0
         self._memory.y[:] = 0.0
-        self._memory.y[: 13 + 2 * self._n] = np.concatenate([self._initial.q, self._initial.v])
+        self._flexible.begin(self._initial, self._memory.y)
         self._memory.wheels[:] = self._wheels
         self._stamp = 0
         nothing = self._hold.reset()
@@ -161,7 +175,7 @@ class SimulatedRobot:
         self._able = self._actuation.reset()
         self._wire.reset()
         self._sensing.reset()
-        self._closed, self._braking = False, [0.0] * (self._n if self._brakes is not None else 0)
+        self._closed, self._braking = False, [0.0] * (self._visible if self._brakes is not None else 0)
         self._unload, self._unloaded = False, [0.0] * (4 if self._unloading is not None else 0)
         self._switch_models()
         return self._show(nothing)
@@ -205,7 +219,7 @@ class SimulatedRobot:
 
     def numbers(self) -> PlantNumbers | None:
         """The plant as it is, for runs that call no Python between their ticks; None where that cannot be."""
-        if not self._compiled or self._plan.planned or self._reads_wheels:
+        if not self._compiled or self._plan.planned or self._reads_wheels or self._flexible.more:
             return None
         seen, late = (self._sensors, self._telemetry), self._hold.delay
         return PlantNumbers(self.context(), self._memory, *seen, late, self._monitor.reach())
@@ -226,16 +240,16 @@ class SimulatedRobot:
 
     def _switch_models(self) -> None:
         """Let the robot of this instant run on; what it catches is balanced, anything else has a new baseline."""
-        for change, arrays in zip(self._changes, self._robots, strict=True):
+        for change, model, arrays in zip(self._changes, self._models, self._robots, strict=True):
             if change.stamp != self._stamp:
                 continue
-            self._model = change.robot.model
+            self._model = model
             self._healthy = arrays
             self._use(self._healthy)
             if change.caught is not None:
                 self._catch(change.caught)
             if change.caught is None or not self._stamp:
-                self._memory.y[13 + 2 * self._n :] = 0.0
+                self._memory.y[13 + 2 * self._n : 20 + 2 * self._n] = 0.0
                 self._advance(self._hold.held.u, start=True)
 
     def _catch(self, body: FreeBody) -> None:
@@ -273,14 +287,14 @@ class SimulatedRobot:
         """The robot with its brakes as they are in the period that begins."""
         fitted = self._brake_torque > 0.0
         if not (self._closed or self._hold.brakes):
-            self._braking = [0.0] * self._n
+            self._braking = [0.0] * self._visible
             return arrays
         self._allocate(self._able, command, self._seconds, self._memory.wheels, self._memory.allocation)
         found = brakes.act(self._model, arrays, self._memory, torque)
         y, n = self._memory.y, self._n
         y[7 + n : 13 + 2 * n] = found.velocity
         y[13 + 2 * n] += found.work
-        self._braking = np.where(fitted, np.where(found.held, 1.0, -1.0), 0.0).tolist()
+        self._braking = np.where(fitted, np.where(found.held, 1.0, -1.0), 0.0)[: self._visible].tolist()
         return found.arrays
 
     def _stop_joints(self, held: npt.NDArray[np.bool_]) -> None:
@@ -295,7 +309,8 @@ class SimulatedRobot:
         if self._fallback is None:
             return self._advance_kernel(self.context().address, acting, self._seconds, start)
         count = allocate(self._able, acting, self._seconds, plant.wheels, plant.allocation)
-        drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors, plant.disturbance)
+        held = plant.allocation.segments, plant.allocation.effort, plant.motors
+        drive = Drive(*held, plant.disturbance, plant.springs)
         if start:
             reset_baseline(self._arrays, self._able, drive, plant)
             return DONE
@@ -305,10 +320,10 @@ class SimulatedRobot:
         return status
 
     def _show(self, acting: Acting) -> PlantSample:
-        plant, n = self._memory, self._n
-        y, gauges = plant.y, plant.gauges
+        plant, gauges = self._memory, self._memory.gauges
+        q, v = self._flexible.measured(plant.y)
         wheels = self._able.axes @ plant.wheels if self._reads_wheels else None
-        truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:], wheels)
+        truth = RobotState(self._stamp, q, v, plant.effort[: self._visible], gauges[4:], wheels)
         state, telemetry = (
             self._sensors.measure(truth),
             self._telemetry.of(self._stamp, acting, plant, self._braking + self._unloaded),

@@ -24,6 +24,8 @@ from space_robot_msgs_py.interfaces import NANOSECONDS
 MAX_STEPS = 20_000
 STEP_KEY = "plant.integrator.step"
 _MAX_STEP = {"dop853": 0.05, "rk4": 0.005}
+# Largest product of the fastest eigenvalue of a flexible robot and a step.
+RESOLVED = {"dop853": 0.5, "rk4": 0.1}
 
 
 class IntegratorSpec(Strict):
@@ -51,13 +53,21 @@ def method(spec: IntegratorSpec, *, rough: bool) -> str:
     return "dop853_adaptive" if rough else "dop853"
 
 
-def fixed_steps(spec: IntegratorSpec, kind: str, period: int) -> int:
+def fixed_steps(spec: IntegratorSpec, kind: str, period: int, fastest: float = 0.0) -> int:
     """Number of equal steps in a control period [ns] of an integration in fixed steps.
 
+    Args:
+        spec: what the file says.
+        kind: dop853 or rk4.
+        period: control period [ns].
+        fastest: largest eigenvalue of the modes of a flexible robot [1/s], which a step has to resolve.
+
     Raises:
-        SpecError: they would not be whole nanoseconds, or there would be too many.
+        SpecError: they would not be whole nanoseconds, there would be too many, or one resolves no mode.
     """
     seconds, longest = period / NANOSECONDS, spec.step or _MAX_STEP[kind]
+    if fastest * longest > RESOLVED[kind]:
+        return _resolving(spec, kind, period, fastest)
     # The margin lets 0.1 s be two steps of 0.05 s whatever the rounding of the quotient.
     steps = max(1.0, np.ceil(seconds / longest - 1e-9))
     if steps > MAX_STEPS:
@@ -71,6 +81,24 @@ def fixed_steps(spec: IntegratorSpec, kind: str, period: int) -> int:
             accepted="a step that divides the control period into whole nanoseconds",
         )
     return int(steps)
+
+
+def _resolving(spec: IntegratorSpec, kind: str, period: int, fastest: float) -> int:
+    """Number of equal steps that resolve the fastest mode, where the file does not say how long they are."""
+    longest, mode = RESOLVED[kind] / fastest, fastest / (2.0 * np.pi)
+    if spec.step is not None:
+        what = f"does not resolve the fastest mode of plant.flexibility, {mode:.4g} Hz"
+        accepted = f"at most {longest:.4g} s, or no step: one is chosen"
+        raise SpecError(what, key=STEP_KEY, value=spec.step, accepted=accepted)
+    least = int(np.ceil(min(period / NANOSECONDS / longest, 2.0 * MAX_STEPS)))
+    found = next((count for count in range(least, MAX_STEPS + 1) if period % count == 0), None)
+    if found is None:
+        slowest = RESOLVED[kind] * MAX_STEPS * NANOSECONDS / period / (2.0 * np.pi)
+        accepted = f"softer springs or more mass, up to about {slowest:.4g} Hz at this control period"
+        raise SpecError(
+            "the fastest mode is too fast", key="plant.flexibility", value=f"{mode:.4g} Hz", accepted=accepted
+        )
+    return found
 
 
 def _not_negative(value: float | tuple[float, ...]) -> float | tuple[float, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Telemetry
 from space_robot_sim.command_hold import Acting
+from space_robot_sim.flexible.parts import FlexibleParts
 from space_robot_sim.kernel.period import PlantMemory
 
 BRAKES, UNLOADING = "brakes", "unloading"
@@ -24,11 +25,15 @@ class PlantTelemetry:
     m]), ``command_stamp`` (of the command that acted [ns], -1: none), ``force_ignored`` (free-floating robots: 1 if a
     force was commanded), ``integration_error`` (estimated errors of all steps so far, summed [m or rad]), ``brakes``
     (n, only where brakes may close: in the last period 1 closed and holding, -1 closed and slipping, 0 open or none),
-    ``unloading`` (4, only where thrusters may unload the wheels: 1 where they did, and their mean torque).
+    ``unloading`` (4, only where thrusters may unload the wheels: 1 where they did, and their mean torque); of flexible
+    robots ``flexible_NAME`` (2: position and rate of a hidden joint), ``motor_position`` and ``motor_rate`` (n, behind
+    the gears, where one twists), ``flexible_energy`` (of springs and rotors, which is in ``energy``, too) and
+    ``dissipated_energy`` (by their dampers so far).
 
     Args:
         robot: the true robot.
         wheels: number of its reaction wheels.
+        flexible: what is flexible in it.
         estimated: the integration estimates its error.
         braked: brakes may close.
         unloads: thrusters may unload the wheels.
@@ -40,7 +45,14 @@ class PlantTelemetry:
     """
 
     def __init__(
-        self, robot: Robot, wheels: int, *, estimated: bool = True, braked: bool = False, unloads: bool = False
+        self,
+        robot: Robot,
+        wheels: int,
+        flexible: FlexibleParts,
+        *,
+        estimated: bool = True,
+        braked: bool = False,
+        unloads: bool = False,
     ) -> None:
         n = robot.n
         blocks = {
@@ -65,6 +77,9 @@ class PlantTelemetry:
             blocks[BRAKES] = n
         if unloads:
             blocks[UNLOADING] = 4
+        self._flexible = flexible
+        if flexible.more:
+            blocks |= flexible.blocks
         self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
         self.traits = np.array([robot.joint_lower, robot.joint_upper]), self._floating, estimated
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
@@ -72,7 +87,8 @@ class PlantTelemetry:
     def of(self, stamp: int, acting: Acting, plant: PlantMemory, modes: Sequence[float] = ()) -> Telemetry:
         """Telemetry at a stamp [ns] after a period under the command ``acting``, with the blocks of modes."""
         # On Python floats: at this size several times faster than on arrays.
-        joints = plant.y[7 : 7 + self._n].tolist()
+        n = self._n
+        joints = plant.y[7 : 7 + n].tolist()
         rest = [max(low - x, x - high, 0.0) for x, (low, high) in zip(joints, self._limits, strict=True)]
         rest.append(float(acting.stamp))
         if self._floating:
@@ -81,13 +97,14 @@ class PlantTelemetry:
             rest.append(float(plant.scratch.error[0]))
         rest += modes
         parts = (
-            plant.y[: 13 + 2 * self._n],
+            *self._flexible.true(plant.y),
             plant.now[:7],
             plant.gauges[:4],
             plant.wheels,
             plant.allocation.wrench,
-            plant.effort,
-            plant.allocation.saturated,
+            plant.effort[:n],
+            plant.allocation.saturated[: 6 + n],
             np.array(rest),
+            *self._flexible.shown(plant.y),
         )
         return Telemetry(stamp, self.labels, self.sizes, np.concatenate(parts))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
+from space_robot_bringup.compose.flexibility import check_flexibility
 from space_robot_bringup.compose.knowledge import nominal_spec, with_knowledge
 from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes, check_unloading
 from space_robot_bringup.compose.robots import initial_state, unladen, variant_of
@@ -253,6 +254,7 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
     plan = fault_plan(experiment, truth, seeds[4])
     if plan is not None and isinstance(spec, PlantSpec):
         changes = robots_with_faults(plan, variant_of(robot, unladen(spec), seeds[1]), spec)
+    check_flexibility(experiment, truth, changes, plan)
     reference = make_reference(experiment.reference, nominal, q0)
     composition = Composition(experiment, nominal, truth, changes, plan, policy, reference, seeds, q0, v0)
     free_flying = nominal.base_mode == "free_flying"

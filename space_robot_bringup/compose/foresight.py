@@ -18,6 +18,8 @@ from space_robot_description.report import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels, expand
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
+from space_robot_sim.flexible.modes import mode_frequencies
+from space_robot_sim.flexible.parts import FlexibleParts
 from space_robot_sim.spec import ChannelSpec
 
 # References that are looked at; a step or a corner between two of them is seen in the accelerations around it.
@@ -46,6 +48,7 @@ def foreseen(composition: Composition) -> tuple[str, ...]:
         *_friction(composition),
         *_readings(composition, plant.sensors.wheel_momentum),
         *_fast(composition),
+        *_flexible(composition, plant),
     )
 
 
@@ -147,6 +150,17 @@ def _fast(composition: Composition) -> Iterator[str]:
     lag = float(np.max(expand(motors.lag, robot.joint_names, "lag")))
     if lag > period:
         yield f"motors lag by {lag:g} s, longer than the control period of {period:g} s, and no law knows it"
+
+
+def _flexible(composition: Composition, plant: PlantSpec) -> Iterator[str]:
+    """Modes of panels, fuel and gears that commands this far apart do not see as oscillations."""
+    rates, period = FlexibleParts(plant.flexibility, composition.truth).rates, composition.experiment.control_period
+    fastest = max(mode_frequencies(rates), default=0.0)
+    if 2.0 * np.pi * fastest * period > 1.0:
+        yield (
+            f"the fastest mode of plant.flexibility has {fastest:.3g} Hz at home: it oscillates {fastest * period:.2g} "
+            "times in a control period, and no law knows it"
+        )
 
 
 def _angular_momentum(robot: Robot, q: Vector, v: Vector) -> Vector:

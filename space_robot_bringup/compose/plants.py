@@ -19,6 +19,7 @@ from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Plant
 from space_robot_sim.capture import RobotChange, free_body
 from space_robot_sim.faults.plan import FaultPlan
+from space_robot_sim.flexible.parts import FlexibleParts
 from space_robot_sim.initial import InitialState, RunConditions
 from space_robot_sim.sensor_rule import check_sensors
 from space_robot_sim.spec import HoldFor, fixed_steps, method
@@ -85,6 +86,7 @@ def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
         braked=parts.braked or brakes_when_silent(spec),
         unloads=parts.unloads,
         disturbance=spec.disturbance,
+        flexibility=spec.flexibility,
     )
 
 
@@ -145,8 +147,9 @@ def _check_articulated(spec: PlantSpec, truth: Robot, period: int) -> None:
     motors = truth.actuators.joints
     roughness = [expand(part, truth.joint_names, "joints") for part in (motors.lag, motors.viscous, motors.coulomb)]
     kind = method(spec.integrator, rough=bool(np.any(roughness)))
+    fastest = FlexibleParts(spec.flexibility, truth).fastest
     if kind != "dop853_adaptive":
-        fixed_steps(spec.integrator, kind, period)
+        fixed_steps(spec.integrator, kind, period, fastest)
     check_sensors(spec.sensors, truth, period)
 
 

@@ -11,6 +11,7 @@ from space_robot_description.dispersion import Dispersion
 from space_robot_description.payload import Payload
 from space_robot_description.spec import Strict
 from space_robot_sim.capture import TargetSpec
+from space_robot_sim.flexible.spec import FlexibilitySpec
 from space_robot_sim.grasp.spec import AirbearingSpec, CapturedSpec
 from space_robot_sim.spec import DisturbanceSpec, Hold, IntegratorSpec, MonitorSpec, SensorSpec
 
@@ -53,11 +54,14 @@ class PlantSpec(PlantTiming):
     disturbance: DisturbanceSpec | None = Field(
         default=None, description="what pushes the base at all times beside its actuators"
     )
+    flexibility: FlexibilitySpec | None = Field(
+        default=None, description="what bends, twists and sloshes: appendages, fuel, gears; unknown to every law"
+    )
 
     @model_serializer(mode="wrap")
     def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        # The log of a run without a disturbance is, to the byte, what it was before there was one.
-        hidden = ("monitor", "disturbance")
+        # The log of a run without a disturbance, or rigid, is, to the byte, what it was before there was one.
+        hidden = ("monitor", "disturbance", "flexibility")
         return {key: value for key, value in handler(self).items() if key not in hidden or value is not None}
 
 

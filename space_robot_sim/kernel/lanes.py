@@ -176,7 +176,7 @@ def _integrate(plant: PlantContext, lanes: LaneMemory, period: float) -> None:
     """Take all lanes over the period, in fixed steps: ``steps.integrate`` for one segment."""
     robot, how, y = _robot(plant, lanes), plant.how, seen(lanes.y)
     segments, disturbance = seen(lanes.segments), plant.memory.disturbance
-    drive = Drive(segments, seen(lanes.effort), seen(lanes.start_effort), disturbance)
+    drive = Drive(segments, seen(lanes.effort), seen(lanes.start_effort), disturbance, plant.memory.springs)
     coupled = CoupledMemory(seen(lanes.motion), seen(lanes.mass), seen(lanes.unit), seen(lanes.rest), seen(lanes.force))
     scratch = Scratch(
         seen(lanes.stages),

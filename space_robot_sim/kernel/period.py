@@ -14,6 +14,7 @@ from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_sim.kernel.allocation import Allocation, Capability, allocate, allocation
 from space_robot_sim.kernel.disturbance import NOTHING
+from space_robot_sim.kernel.flexible import RIGID, stored_energy
 from space_robot_sim.kernel.momentum import (
     ANGULAR,
     BALANCE_SIZE,
@@ -33,7 +34,7 @@ class PlantMemory(NamedTuple):
     """The plant between two periods, and the memory to get from one to the next.
 
     Attributes:
-        y: (20+2n,) state, see `kernel.rhs`.
+        y: (20+2n,) state, see `kernel.rhs`; longer where gears or joints are flexible.
         wheels: (k,) wheel momenta relative to the body [N m s].
         motors: (n,) efforts the motors give at this instant.
         effort: (n,) their mean over the period that just ended.
@@ -44,6 +45,7 @@ class PlantMemory(NamedTuple):
         scratch: memory.
         allocation: memory.
         disturbance: (9,) what pushes the base beside the actuators, see `kernel.disturbance`; (0,): nothing.
+        springs: (n, 5) see `kernel.flexible`; (0, 5): all is rigid.
     """
 
     y: npt.NDArray[np.float64]
@@ -57,13 +59,14 @@ class PlantMemory(NamedTuple):
     scratch: Scratch
     allocation: Allocation
     disturbance: npt.NDArray[np.float64] = NOTHING
+    springs: npt.NDArray[np.float64] = RIGID
 
 
-def plant_memory(joints: int, wheels: int, followers: int = 0) -> PlantMemory:
-    """Memory for a robot with that many joints and wheels, and joints that follow others."""
-    y = np.zeros(13 + 2 * joints + QUADRATURES)
+def plant_memory(joints: int, wheels: int, followers: int = 0, more: int = 0) -> PlantMemory:
+    """Memory for a robot with that many joints and wheels, joints that follow others, and so many further states."""
+    y = np.zeros(13 + 2 * joints + QUADRATURES + more)
     balance = np.zeros(BALANCE_SIZE), np.zeros(BALANCE_SIZE), np.zeros(3), np.zeros(GAUGES)
-    motors, effort, memory = np.zeros(joints), np.zeros(joints), scratch(joints, followers)
+    motors, effort, memory = np.zeros(joints), np.zeros(joints), scratch(joints, followers, more)
     return PlantMemory(y, np.zeros(wheels), motors, effort, *balance, memory, allocation(joints, wheels))
 
 
@@ -109,7 +112,8 @@ def advance(context: Any, command: Vector, period: float, start: bool) -> int:
     """
     robot, able, how, plant = loaded(context, PLANT)
     count = allocate(able, command, period, plant.wheels, plant.allocation)
-    drive = Drive(plant.allocation.segments, plant.allocation.effort, plant.motors, plant.disturbance)
+    held = plant.allocation.segments, plant.allocation.effort, plant.motors
+    drive = Drive(*held, plant.disturbance, plant.springs)
     if start:
         reset_baseline(robot, able, drive, plant)
         return DONE
@@ -124,6 +128,7 @@ def reset_baseline(robot: RobotArrays, able: Capability, drive: Drive, plant: Pl
     """Balance and acceleration of the initial state, against which the run is measured."""
     slope(robot, drive, FIRST, 0.0, plant.y, plant.scratch.slope, plant.scratch)
     balance(robot, plant.y, able.axes, plant.wheels, plant.scratch.bodies, plant.initial)
+    plant.initial[ENERGY] += stored_energy(plant.springs, plant.y)
     update_balance(robot, able, plant)
     plant.gauges[3] = 0.0
 
@@ -158,6 +163,7 @@ def settle_state(robot: RobotArrays, able: Capability, period: float, plant: Pla
 def update_balance(robot: RobotArrays, able: Capability, plant: PlantMemory) -> None:
     """Balance at this instant, its residuals against the start of the run, and the base's acceleration."""
     balance(robot, plant.y, able.axes, plant.wheels, plant.scratch.bodies, plant.now)
+    plant.now[ENERGY] += stored_energy(plant.springs, plant.y)
     update_residuals(plant)
 
 

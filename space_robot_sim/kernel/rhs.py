@@ -2,7 +2,7 @@
 
 State y, N = 20 + 2n numbers: position(3) inertial, quaternion(4) xyzw, joints(n) | linear(3), angular(3) body frame,
 joint rates(n) | work of all applied forces(1), linear(3) and angular(3) impulse of external ones, about the inertial
-origin.
+origin | of flexible robots: work lost in dampers(1), motor angles(k), motor rates(k), see `kernel.flexible`.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from space_robot_sim.kernel.aba import forward_dynamics
 from space_robot_sim.kernel.articulated import WORKSPACE
 from space_robot_sim.kernel.coupled import CoupledMemory, coupled_dynamics, coupled_memory
 from space_robot_sim.kernel.disturbance import NOTHING, count_disturbance, disturbance_wrench
+from space_robot_sim.kernel.flexible import RIGID, driven_rate, spring_efforts
 from space_robot_sim.kernel.tableau import STAGES
 
 QUADRATURES = 7
@@ -39,12 +40,14 @@ class Drive(NamedTuple):
         effort: (n,) joint efforts asked of the motors [N m or N].
         start_effort: (n,) joint efforts at the beginning of the period.
         disturbance: what pushes the base beside them, see `kernel.disturbance`; (0,): nothing.
+        springs: (n, 5) of joints and gears, see `kernel.flexible`; (0, 5): all is rigid.
     """
 
     segments: npt.NDArray[np.float64]
     effort: npt.NDArray[np.float64]
     start_effort: npt.NDArray[np.float64]
     disturbance: npt.NDArray[np.float64] = NOTHING
+    springs: npt.NDArray[np.float64] = RIGID
 
 
 class Scratch(NamedTuple):
@@ -63,9 +66,9 @@ class Scratch(NamedTuple):
     coupled: CoupledMemory
 
 
-def scratch(joints: int, followers: int = 0) -> Scratch:
-    """Memory for a robot with that many joints, and others that follow them."""
-    size = 13 + 2 * joints + QUADRATURES
+def scratch(joints: int, followers: int = 0, more: int = 0) -> Scratch:
+    """Memory for a robot with that many joints, others that follow them, and so many further states."""
+    size = 13 + 2 * joints + QUADRATURES + more
     bodies, effort = np.zeros((1 + joints + followers, WORKSPACE)), np.zeros(joints)
     coupled = coupled_memory(joints, followers)
     return Scratch(np.zeros((STAGES, size)), np.zeros(size), np.zeros(size), bodies, effort, np.zeros(1), coupled)
@@ -83,7 +86,7 @@ def joint_efforts(robot: RobotArrays, drive: Drive, t: float, y: Vector, out: Ve
     n = drive.effort.shape[0]
     power = 0.0
     for joint in range(n):
-        rate = y[13 + n + joint]
+        rate = driven_rate(drive.springs, y, joint, y[13 + n + joint])
         effort = motor_effort(drive.effort[joint], drive.start_effort[joint], robot.motors[joint, LAG], t)
         effort -= robot.motors[joint, VISCOUS] * rate
         coulomb = robot.motors[joint, COULOMB]
@@ -134,6 +137,8 @@ def slope(robot: RobotArrays, drive: Drive, k: int, t: float, y: Vector, dy: Vec
     n = drive.effort.shape[0]
     omega = (y[10 + n], y[11 + n], y[12 + n])
     power = joint_efforts(robot, drive, t, y, memory.effort)
+    if drive.springs.shape[0]:
+        power -= spring_efforts(drive.springs, y, memory.effort, dy)
     torque = base_torque(drive, k, t, omega)
     force = get3(drive.segments, k, FORCE)
     if drive.disturbance.shape[0]:
