@@ -2,38 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from typing import Any, NamedTuple
-
-import numpy as np
-
 from space_robot_bringup.compose.composition import Composition
-from space_robot_bringup.experiment.plant import PlantSpec
-from space_robot_bringup.fused.kernel.loop import Body, Known, run_ticks
-from space_robot_bringup.fused.kernel.records import Desired, Records
+from space_robot_bringup.fused.prepared import prepared
 from space_robot_bringup.fused.sink import FusedRun
-from space_robot_control.kernel.answers import answer_example
-from space_robot_control.laws.base import Law
-from space_robot_control.laws.compiled import CompiledLaw
-from space_robot_control.references.rows import rows_of
-from space_robot_description.kernel import jit
-from space_robot_description.kernel.jit import bound
-from space_robot_msgs_py.errors import ControlError
-from space_robot_sim.kernel.period import advance
-from space_robot_sim.plant import PlantNumbers, SimulatedRobot
-
-# What a law answers is decided in these.
-COMPUTES = ("compute", "update", "control", "answer", "on_applied", "note_applied", "reset")
-
-
-class Parts(NamedTuple):
-    """What a compiled run is made of."""
-
-    plant: SimulatedRobot
-    body: PlantNumbers
-    law: Law
-    compiled: CompiledLaw
 
 
 def compiled_run(composition: Composition, ticks: int | None = None) -> FusedRun | None:
@@ -49,110 +20,5 @@ def compiled_run(composition: Composition, ticks: int | None = None) -> FusedRun
     Raises:
         SpaceRobotError: plant, law or reference cannot be made.
     """
-    experiment = composition.experiment
-    if not jit.MACHINE_CODE or experiment.supervision is not None or composition.faults is not None:
-        return None
-    if not isinstance(experiment.plant, PlantSpec):
-        return None
-    parts = _parts(composition)
-    return None if parts is None else _Run(composition, parts, ticks).completed()
-
-
-def _parts(composition: Composition) -> Parts | None:
-    """Plant and law, where both can be compiled."""
-    law = composition.controller()
-    if law.inbox is not None or law.friction.known or not _is_its_own(type(law)):
-        return None
-    law.reset()
-    compiled = law.compiled()
-    plant = composition.plant() if compiled is not None else None
-    if compiled is None or not isinstance(plant, SimulatedRobot):
-        return None
-    try:
-        compiled.start(plant.reset().state)
-    except ControlError:
-        # What keeps a law from its first answer ends the run at its first tick, in the words of the loop.
-        return None
-    body = plant.numbers()
-    return None if body is None else Parts(plant, body, law, compiled)
-
-
-def _is_its_own(law: type[Law]) -> bool:
-    """Whether the compiled form is of the class that computes, and not of one that it is derived from."""
-    order = [vars(kind) for kind in law.__mro__]
-    compiled = next(place for place, names in enumerate(order) if "compiled" in names)
-    return not any(name in names for name in COMPUTES for names in order[:compiled])
-
-
-class _Run:
-    """One run; its memory."""
-
-    def __init__(self, composition: Composition, parts: Parts, ticks: int | None) -> None:
-        experiment, n = composition.experiment, parts.law.n
-        self._parts, self._period = parts, experiment.period
-        self._ticks = min(ticks or experiment.steps + 1, experiment.steps + 1)
-        stamps = range(0, self._ticks * self._period, self._period)
-        self.desired = Desired(*rows_of(composition.reference(), stamps))
-        ideal, sensors = parts.body.sensors.ideal, parts.body.sensors
-        # They have shown the first state already.
-        sensors.reset()
-        self._draws = np.zeros((1, 0)) if ideal else sensors.draws(self._ticks)
-        telemetry, ticks = parts.body.telemetry, self._ticks
-        self.records = Records(
-            np.empty((ticks, 16 + 2 * n)),
-            np.empty((1 if ideal else ticks, 16 + 2 * n)),
-            np.empty((ticks, n)),
-            np.empty((ticks, sum(telemetry.sizes))),
-            np.empty((ticks, parts.compiled.layout.size)),
-            np.empty((ticks, 6 + n)),
-        )
-        self._known = Known(parts.law.wheels.numbers, composition.nominal.command_delay, np.zeros(6 + n))
-        changes = (change.stamp // self._period for change in composition.changes)
-        self._changes = sorted({tick for tick in changes if 0 < tick < ticks - 1})
-
-    def completed(self) -> FusedRun | None:
-        """The run, unless it fails."""
-        begin = 0
-        for change in self._changes:
-            if self._run(begin, change + 1) != change + 1:
-                return None
-            self._parts.plant.switch_models(change)
-            begin = change + 1
-        if self._run(begin, self._ticks) != self._ticks:
-            return None
-        telemetry, layout = self._parts.body.telemetry, self._parts.compiled.layout
-        labels = (telemetry.labels, telemetry.sizes), (layout.labels, layout.sizes)
-        return FusedRun(self.records, self.desired, self._period, *labels)
-
-    def _run(self, begin: int, end: int) -> int:
-        law, plant = self._parts.compiled, self._parts.plant
-        body = plant.numbers()
-        assert body is not None
-        limits, floating, estimated = body.telemetry.traits
-        traits = body.sensors.rule, self._draws, limits, int(floating), int(estimated), body.delay, body.reach
-        numbers, address = Body(body.memory, *traits), body.context.address
-        steps, answer, note = _pointers(law.answer, law.note, self._parts.law.n)
-        parts = numbers, self._known, steps, address, answer, note, law.context.address, self.desired, self.records
-        times = self._period, begin, end
-        return _code(*parts, *times)(*parts, *times)
-
-
-@cache
-def _pointers(answer: Callable[..., Any], note: Callable[..., Any], joints: int) -> tuple[Any, Any, Any]:
-    """To plant and law, compiled where they were not before."""
-    # Only here: without numba there is none.
-    from space_robot_description.kernel.pointer import Pointer
-
-    arguments, address, u = answer_example(joints, 1), np.int64(0), np.zeros(6 + joints)
-    plant = Pointer(advance, address, u, 0.0, False)
-    return plant, Pointer(answer, address, *arguments), Pointer(note, address, u, np.zeros(3), True)
-
-
-_found: list[Callable[..., int]] = []
-
-
-def _code(*arguments: Any) -> Callable[..., int]:
-    """The machine code of the loop, which is the same for all plants and laws."""
-    if not _found:
-        _found.append(bound(run_ticks, *arguments))
-    return _found[0]
+    run = prepared(composition, ticks)
+    return None if run is None else run.completed()

@@ -94,7 +94,8 @@ def inverse_dynamics(robot: RobotArrays, q: Vector, v: Vector, a: Vector, work: 
         put3(work, body, _DV, dv)
         _own_force(robot.links, body, work)
     if coupling.shape[0]:
-        u[6:] = 0.0
+        for i in range(6, u.shape[0]):
+            u[i] = 0.0
     for body in range(bodies - 1, 0, -1):
         effort = work[body, _F + 2] if robot.tree[body, PRISMATIC] else work[body, _N + 2]
         if coupling.shape[0]:

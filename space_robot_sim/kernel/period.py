@@ -131,6 +131,13 @@ def reset_baseline(robot: RobotArrays, able: Capability, drive: Drive, plant: Pl
 @kernel
 def settle(robot: RobotArrays, able: Capability, period: float, plant: PlantMemory) -> None:
     """After the integration of a period: unit quaternion, motors and wheels at its end, the conservation balance."""
+    settle_state(robot, able, period, plant)
+    update_balance(robot, able, plant)
+
+
+@inner
+def settle_state(robot: RobotArrays, able: Capability, period: float, plant: PlantMemory) -> None:
+    """``settle`` without the balance."""
     y = plant.y
     norm = math.sqrt(y[3] * y[3] + y[4] * y[4] + y[5] * y[5] + y[6] * y[6])
     plant.gauges[3] = abs(norm - 1.0)
@@ -145,16 +152,21 @@ def settle(robot: RobotArrays, able: Capability, period: float, plant: PlantMemo
         limit = able.wheel_limit[wheel, 1]
         rate, stop = plant.allocation.level[6 + wheel], plant.allocation.stop[6 + wheel]
         plant.wheels[wheel] = max(-limit, min(limit, plant.wheels[wheel] + rate * stop))
-    update_balance(robot, able, plant)
 
 
 @inner
 def update_balance(robot: RobotArrays, able: Capability, plant: PlantMemory) -> None:
     """Balance at this instant, its residuals against the start of the run, and the base's acceleration."""
+    balance(robot, plant.y, able.axes, plant.wheels, plant.scratch.bodies, plant.now)
+    update_residuals(plant)
+
+
+@inner
+def update_residuals(plant: PlantMemory) -> None:
+    """``update_balance`` with the balance at this instant there already."""
     y, now, initial, largest, gauges = plant.y, plant.now, plant.initial, plant.largest, plant.gauges
     n = plant.motors.shape[0]
     work = 13 + 2 * n
-    balance(robot, y, able.axes, plant.wheels, plant.scratch.bodies, now)
     largest[0] = max(largest[0], now[GROSS_LINEAR])
     largest[1] = max(largest[1], now[GROSS_ANGULAR])
     largest[2] = max(largest[2], max(now[ENERGY], abs(y[work])))

@@ -87,27 +87,46 @@ def run_ticks(
         begin: first tick.
         end: tick after the last one.
     """
-    n, seconds = body.memory.motors.shape[0], period / 1e9
+    seconds = period / 1e9
     for tick in range(begin, end):
-        acted = tick - 1 - body.delay
         if tick > 0:
-            if not _passes(body.reach, records.command, tick - 1):
+            if not passes(body.reach, records.command, tick - 1):
                 return tick
+            acted = tick - 1 - body.delay
             command = records.command[acted] if acted >= 0 else known.zero
             if advance(plant, command, seconds, False) != DONE:
                 return tick
-        _look(body, tick, records)
-        _show(body, acted, period, records, records.plant[tick])
-        measured = records.measured[tick] if body.draws.shape[1] else records.truth[tick]
-        q, v, acceleration = measured[: 7 + n], measured[7 + n : 13 + 2 * n], measured[13 + 2 * n :]
-        u, row, wheels = records.command[tick], records.law[tick], known.wheels.momentum
-        q_d, v_d, a_d = desired.q[tick], desired.v[tick], desired.a[tick]
-        if answer(context, q, v, records.effort[tick], acceleration, wheels, q_d, v_d, a_d, u, row) != ANSWERED:
+        if not answered(body, known, answer, note, context, desired, records, period, tick):
             return tick
-        if not (_finite(u) and _finite(row) and _finite(records.plant[tick]) and _finite(measured)):
-            return tick
-        _note(known, note, context, tick, seconds, records)
     return end
+
+
+@inner
+def answered(
+    body: Body,
+    known: Known,
+    answer: Any,
+    note: Any,
+    context: Any,
+    desired: Desired,
+    records: Records,
+    period: int,
+    tick: int,
+) -> bool:
+    """Record a tick whose state the plant has reached, and the law's answer; False: it is not whole."""
+    n = body.memory.motors.shape[0]
+    _look(body, tick, records)
+    _show(body, tick - 1 - body.delay, period, records, records.plant[tick])
+    measured = records.measured[tick] if body.draws.shape[1] else records.truth[tick]
+    q, v, acceleration = measured[: 7 + n], measured[7 + n : 13 + 2 * n], measured[13 + 2 * n :]
+    u, row, wheels = records.command[tick], records.law[tick], known.wheels.momentum
+    q_d, v_d, a_d = desired.q[tick], desired.v[tick], desired.a[tick]
+    if answer(context, q, v, records.effort[tick], acceleration, wheels, q_d, v_d, a_d, u, row) != ANSWERED:
+        return False
+    if not (_finite(u) and _finite(row) and _finite(records.plant[tick]) and _finite(measured)):
+        return False
+    _note(known, note, context, tick, period / 1e9, records)
+    return True
 
 
 @inner
@@ -157,7 +176,7 @@ def _show(body: Body, acted: int, period: int, records: Records, row: Vector) ->
 
 
 @inner
-def _passes(reach: Vector, commands: Vector, tick: int) -> bool:
+def passes(reach: Vector, commands: Vector, tick: int) -> bool:
     """True if the plant takes a command unchanged."""
     fits = True
     for i in range(commands.shape[1]):
