@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_description.actuation import brake_torque, command_limit
-from space_robot_description.kernel.arrays import RobotArrays, locked_joints, robot_arrays
+from space_robot_description.kernel.arrays import RobotArrays, locked_joints
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.kernel.jit import bound
+from space_robot_description.known_arrays import arrays_of
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
@@ -109,7 +110,7 @@ class SimulatedRobot:
         self._monitor = CommandMonitor(monitor, command_limit(robot), robot.joint_names)
         self._n, self._period, self._seconds = robot.n, control_period, control_period / NANOSECONDS
         self._changes = (RobotChange(0, robot), *changes)
-        self._robots = [robot_arrays(one.robot.model, motor_numbers(one.robot)) for one in self._changes]
+        self._robots = [arrays_of(one.robot.model, motor_numbers(one.robot)) for one in self._changes]
         self._healthy = self._arrays = self._robots[0]
         self._able = capability(robot, control_period)
         self._plan = faults or FaultPlan((), control_period, 0)

@@ -84,8 +84,8 @@ class _Group:
         self._reached = np.array([0 if lane < len(runs) else -1 for lane in range(LANES)], dtype=np.int64)
         self._calls = _calls(law.answer, law.note, n)
         self._space = np.zeros((LANES, 6 + n)), np.zeros(LANES, dtype=np.int64)
-        # What compiled code finds by an address has to be what it takes it for.
-        self.fits = all(kind_of(_one_run(run)) == ONE_RUN for run in runs)
+        # What compiled code finds by an address has to be what it takes it for; runs of one kind are alike in that.
+        self.fits = kind_of(_one_run(runs[0])) == ONE_RUN
 
     def completed(self) -> list[FusedRun | None]:
         """The runs, done now; None: one fails."""
