@@ -4,6 +4,8 @@ PYTHON ?= $(shell for p in python3.12 python3.11 python3; do \
 VENV ?= .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
+# One more than cores: a third of the time a test waits.
+WORKERS ?= $(shell echo $$(( $$(nproc) + 1 )))
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
 
@@ -49,10 +51,10 @@ check: $(VENV)/.dev
 	$(BIN)/mypy
 
 test: check
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -m "not thorough"
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "not thorough"
 
 test-all: check
-	$(BIN)/python -m pytest -n 2 --dist loadgroup
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup
 
 docs: $(VENV)/.dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs serve

@@ -1,4 +1,8 @@
-"""Lock-step in the graph: ticks per second with everything on, recorder included, beside the bare transport."""
+"""Lock-step in the graph: ticks per second with everything on, recorder included, beside the bare transport.
+
+The ratio of the two is one of CPU times per tick, both of one run, taking turns, the least of each: a machine that
+others use moves times, and both sides alike. ``python -m benchmarks.older COMMIT`` measures another commit beside it.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 from rclpy.experimental import EventsExecutor
@@ -23,32 +27,39 @@ from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import Topic, topics_of
 
 CASE = "liu2023/fig08"
-BARE = "one process, the same messages, nothing computed: ticks/s"
+BARE = "one process, the same messages, nothing computed"
+RATIO = "one process, recorded: times the speed of the same messages, nothing computed"
 TICKS = 4000
-REPEATS = 3
+REPEATS = 5
 # The plant integrates in steps of 50 ms: five of them in the first period, two in the second.
 PERIODS = (0.25, 0.1)
 
 
 class Stopwatch:
-    """Times the run between two ticks, so that start-up and discovery are not counted."""
+    """Times the run between two ticks, so that start-up and discovery are not counted.
 
-    def __init__(self) -> None:
-        self._first: tuple[int, float] | None = None
-        self._last = (0, 0.0)
+    Args:
+        ticks: of the run.
+    """
+
+    def __init__(self, ticks: int) -> None:
+        self._begin = ticks // 10
+        self._first: tuple[int, float, float] | None = None
+        self._last = 0, 0.0, 0.0
 
     def reach(self, tick: int) -> None:
         """The run has reached this tick."""
-        if tick > TICKS // 10 and tick != self._last[0]:
-            self._last = (tick, perf_counter())
+        if tick > self._begin and tick != self._last[0]:
+            self._last = tick, perf_counter(), process_time()
             self._first = self._first or self._last
 
     @property
-    def ticks_per_second(self) -> float:
-        """Between the first and the last tick seen."""
-        if self._first is None:
-            return float("nan")
-        return (self._last[0] - self._first[0]) / (self._last[1] - self._first[1])
+    def seconds_per_tick(self) -> tuple[float, float]:
+        """Wall time and CPU time of this process, between the first and the last tick seen."""
+        if self._first is None or self._last[0] == self._first[0]:
+            return float("nan"), float("nan")
+        ticks = self._last[0] - self._first[0]
+        return (self._last[1] - self._first[1]) / ticks, (self._last[2] - self._first[2]) / ticks
 
 
 class Echo(GraphNode):
@@ -58,22 +69,24 @@ class Echo(GraphNode):
         name: node name.
         says: what it publishes, by topic.
         hears: topics it subscribes to; to the last one it answers.
+        ticks: of the run.
         options: see GraphNode.
     """
 
-    def __init__(self, name: str, says: dict[Topic, bytes], hears: Sequence[Topic], **options: Any) -> None:
+    def __init__(self, name: str, says: dict[Topic, bytes], hears: Sequence[Topic], ticks: int, **options: Any) -> None:
         super().__init__(name, **options)
+        self._ticks = ticks
         self._says = [(self.publisher(topic), raw) for topic, raw in says.items()]
         self._answers = 0
-        self.watch = Stopwatch()
+        self.watch = Stopwatch(ticks)
         for topic in hears:
             self.listen(topic, self.speak if topic is hears[-1] and says else _ignore)
 
     def speak(self, _: bytes = b"") -> None:
-        """Publish everything once; after ``TICKS`` times the run is over."""
+        """Publish everything once; after so many times the run is over."""
         self._answers += 1
         self.watch.reach(self._answers)
-        if self._answers > TICKS:
+        if self._answers > self._ticks:
             self.end("completed")
             return
         for publisher, raw in self._says:
@@ -81,38 +94,69 @@ class Echo(GraphNode):
 
 
 def run() -> dict[str, float]:
-    """Ticks per second in one process and in four, and of the messages alone; median of three, interleaved."""
-    table: dict[str, list[float]] = {}
+    """Ticks per second in one process and in four, and of the messages alone; medians, least CPU times, in turns."""
+    walls: dict[str, list[float]] = {}
+    cpus: dict[str, list[float]] = {}
     with tempfile.TemporaryDirectory() as scratch:
         for repeat in range(REPEATS):
             for period in PERIODS:
-                experiment = load_experiment(CASE).model_copy(update={"control_period": period})
-                composition = compose(with_duration(experiment, TICKS * period))
+                composition = _composition(period, TICKS)
                 for mode, run_once in (("one process", _graph), ("four processes", _processes)):
-                    row = f"{mode}, recorded, period {period:g} s: ticks/s"
-                    place = Path(scratch) / f"{mode}_{period:g}_{repeat}"
-                    table.setdefault(row, []).append(run_once(composition, place))
-            table.setdefault(BARE, []).append(_transport(composition))
-    return {row: median(speeds) for row, speeds in table.items()}
+                    row, place = f"{mode}, recorded, period {period:g} s", Path(scratch) / f"{mode}_{period:g}_{repeat}"
+                    _note(row, run_once(composition, place, TICKS), walls, cpus)
+            _note(BARE, _transport(composition, TICKS), walls, cpus)
+    table = {f"{row}: ticks/s": 1.0 / median(times) for row, times in walls.items()}
+    # Of processes of their own this one knows no CPU time.
+    table |= {f"{row}: us of CPU per tick": 1e6 * min(times) for row, times in cpus.items() if "four" not in row}
+    for period in PERIODS:
+        own = cpus[f"one process, recorded, period {period:g} s"]
+        table[f"{RATIO}, period {period:g} s"] = min(cpus[BARE]) / min(own)
+    return table
 
 
-def _graph(composition: Composition, place: Path) -> float:
-    watch = Stopwatch()
+def beside_bare(ticks: int, repeats: int) -> float:
+    """How many times as fast as the bare messages the graph is, recorder included, at 0.1 s, by CPU time.
+
+    Args:
+        ticks: of each run.
+        repeats: turns; the least time of each side counts.
+    """
+    composition = _composition(PERIODS[1], ticks)
+    own, bare = list[float](), list[float]()
+    with tempfile.TemporaryDirectory() as scratch:
+        for repeat in range(repeats):
+            own.append(_graph(composition, Path(scratch) / f"run{repeat}", ticks)[1])
+            bare.append(_transport(composition, ticks)[1])
+    return min(bare) / min(own)
+
+
+def _note(row: str, found: tuple[float, float], *tables: dict[str, list[float]]) -> None:
+    for table, seconds in zip(tables, found, strict=True):
+        table.setdefault(row, []).append(seconds)
+
+
+def _composition(period: float, ticks: int) -> Composition:
+    experiment = load_experiment(CASE).model_copy(update={"control_period": period})
+    return compose(with_duration(experiment, ticks * period))
+
+
+def _graph(composition: Composition, place: Path, ticks: int) -> tuple[float, float]:
+    watch = Stopwatch(ticks)
     with private_context() as context:
         graph = make_graph(composition, place, context=context)
         spin_graph(graph, context, Hooks(on_tick=watch.reach))
         for node in graph.nodes:
             node.destroy_node()
-    return watch.ticks_per_second
+    return watch.seconds_per_tick
 
 
-def _processes(composition: Composition, place: Path) -> float:
-    watch = Stopwatch()
+def _processes(composition: Composition, place: Path, ticks: int) -> tuple[float, float]:
+    watch = Stopwatch(ticks)
     run_processes(composition, place, realtime=None, hooks=Hooks(on_tick=watch.reach))
-    return watch.ticks_per_second
+    return watch.seconds_per_tick
 
 
-def _transport(composition: Composition) -> float:
+def _transport(composition: Composition, ticks: int) -> tuple[float, float]:
     """The messages of one real tick go round between three nodes that look at none of them."""
     state, reference = composition.plant().reset(), composition.reference().at(0)
     output = composition.controller().update(state.state, reference)
@@ -123,8 +167,11 @@ def _transport(composition: Composition) -> float:
     states, commands = topics_of("state"), topics_of("command")
     with private_context() as context:
         options: dict[str, Any] = {"context": context, **LIGHT}
-        nodes = [Echo("recorder", {}, tuple(messages), **options), Echo("controller", mind, states, **options)]
-        simulator = Echo("simulator", world, commands, **options)
+        nodes = [
+            Echo("recorder", {}, tuple(messages), ticks, **options),
+            Echo("controller", mind, states, ticks, **options),
+        ]
+        simulator = Echo("simulator", world, commands, ticks, **options)
         executor = EventsExecutor(context=context)
         for node in (*nodes, simulator):
             executor.add_node(node)
@@ -134,7 +181,7 @@ def _transport(composition: Composition) -> float:
         executor.shutdown()
         for node in (*nodes, simulator):
             node.destroy_node()
-    return simulator.watch.ticks_per_second
+    return simulator.watch.seconds_per_tick
 
 
 def _ignore(_: bytes) -> None:

@@ -15,6 +15,7 @@ __all__ = [
     "assert_conserved",
     "assert_events",
     "assert_tracking",
+    "benchmark",
     "Blocks",
     "campaign",
     "closed_loop",
@@ -87,6 +88,7 @@ if TYPE_CHECKING:
     from space_robot_msgs_py.log.reader import LogReader
     from space_robot_msgs_py.log.writer import LogWriter
     from space_robot_msgs_py.version import __version__
+    from space_robot_studies.benchmark.public import benchmark
     from space_robot_studies.campaign.public import campaign
     from space_robot_studies.campaign.sweep import sweep
     from space_robot_studies.compare.public import compare
@@ -94,6 +96,7 @@ if TYPE_CHECKING:
     from space_robot_studies.tune.public import tune
 else:
     _MODULES = {
+        "space_robot_studies.benchmark.public": ("benchmark",),
         "space_robot_studies.campaign.public": ("campaign",),
         "space_robot_studies.campaign.sweep": ("sweep",),
         "space_robot_studies.compare.public": ("compare",),

@@ -80,7 +80,7 @@ def run(options: Options, out: Console, err: Console) -> bool:
     if options.study.markdown is not None:
         write_atomically(options.study.markdown, page_of(result.table, titles))
     if options.study.as_json:
-        print(json.dumps({**result.table.identity, "rows": list(result.table.rows)}, allow_nan=False))
+        print(json.dumps(result.table.to_dict(), allow_nan=False))
     else:
         _show(out, result, benchmark)
     return result.passed

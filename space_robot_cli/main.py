@@ -15,6 +15,7 @@ import typer
 from space_robot_bringup.modes.signals import Interrupted, raising
 from space_robot_cli.app import BAD_INPUT, FAILED, app, err
 from space_robot_cli.commands import load_commands
+from space_robot_cli.system_libraries import missing_library
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError
 
@@ -43,6 +44,11 @@ def main() -> Never:
         # The reader of stdout is gone, as after `| head`; nothing more can be printed, at the exit neither.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(FAILED)
+    except ImportError as error:
+        if (said := missing_library(error)) is None:
+            raise
+        err.print(f"space-robot: {said}", style="red", markup=False, soft_wrap=True)
+        sys.exit(BAD_INPUT)
     except OSError as error:
         # What the system refuses of a path that was typed: too long a name, no permission.
         place = f"{short(str(error.filename))}: " if error.filename is not None else ""

@@ -30,7 +30,7 @@ def single_threaded() -> None:
 
     The matrices here are small, and a process with one thread starts its workers within milliseconds.
     """
-    from space_robot_studies.engine.pinned import PINNED
+    from space_robot_bringup.modes.pinned import PINNED
 
     os.environ.update(PINNED)
 

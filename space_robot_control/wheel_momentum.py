@@ -25,21 +25,22 @@ class WheelMomentum:
 
     Args:
         robot: the NOMINAL robot.
+        known: whether this is kept count of; where it is not h is 0, as without wheels.
 
     Attributes:
-        present: whether there are wheels.
+        present: whether there are wheels that are kept count of.
         numbers: the same for kernels, with the memory of all that changes.
         measured: (3,) h in the middle of the period that ended at the present stamp [N m s], and (3,) the torque on the
             base over it [N m], both from two readings; None: there are none.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, *, known: bool = True) -> None:
         wheels = robot.actuators.base_torque
-        self.present = isinstance(wheels, ReactionWheels)
+        self.present = known and isinstance(wheels, ReactionWheels)
         able = CommandLimits(robot).numbers
-        count = able.share.shape[0]
+        count = able.share.shape[0] if self.present else 0
         capacity, initial = 0.0, np.zeros(count)
-        if isinstance(wheels, ReactionWheels):
+        if known and isinstance(wheels, ReactionWheels):
             capacity = wheels.momentum
             initial = (
                 initial if wheels.initial_momentum is None else np.array(wheels.initial_momentum, dtype=np.float64)
@@ -101,4 +102,5 @@ class WheelMomentum:
 
     def _refill(self) -> None:
         self.numbers.stored[:] = self._initial
-        self.numbers.momentum[:] = self._initial @ self.numbers.able.axes.T
+        if self.present:
+            self.numbers.momentum[:] = self._initial @ self.numbers.able.axes.T

@@ -73,6 +73,8 @@ def _check_wheels(wheels: ReactionWheels, key: str) -> ReactionWheels:
     unit = np.where(np.abs(lengths - 1.0)[:, None] < 1e-15, axes, axes / lengths[:, None])
     if np.linalg.svd(unit, compute_uv=False)[2] < 1e-3:
         raise SpecError("wheel axes do not span three dimensions", key=f"{key}.axes", value=wheels.axes)
+    if wheels.unloading is not None and not min(wheels.unloading) > 0.0:
+        raise SpecError("is not positive", key=f"{key}.unloading", value=wheels.unloading, accepted="> 0 per axis")
     momentum = wheels.initial_momentum
     if momentum is not None:
         if len(momentum) != len(axes):

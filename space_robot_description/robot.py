@@ -32,6 +32,7 @@ class Robot:
         command_delay: control periods between the state a command answers and the period it acts in, for the laws;
             the plant has its own.
         knows_friction: laws add the friction of ``actuators.joints`` to their efforts.
+        knows_wheels: laws know the momentum of the reaction wheels, measured or reckoned from the commands.
         tool_frame: the link at the end of the arm, in ``model.frames``.
         resolved: the robot file with the URDF inside; ``load_robot`` makes the same robot from it, bit for bit.
         notes: what the robot file changed in the URDF's inertias, a sentence each.
@@ -54,6 +55,7 @@ class Robot:
     tool_frame: str = ""
     command_delay: int = 0
     knows_friction: bool = False
+    knows_wheels: bool = True
     resolved: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     tools: Mapping[str, str] = field(default_factory=dict)

@@ -166,6 +166,14 @@ class ReactionWheels(Strict):
     torque: PositiveFloat = Field(description="torque limit of one wheel [N m]")
     momentum: PositiveFloat = Field(description="momentum limit of one wheel [N m s]")
     initial_momentum: tuple[float, ...] | None = Field(default=None, description="per wheel [N m s]; default 0")
+    unloading: Three | None = Field(
+        default=None, description="torque of thrusters that unload them, per body axis [N m]; null: there are none"
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # As with brakes: a robot without such thrusters is, to the byte, what it was before there were any.
+        return {key: value for key, value in handler(self).items() if key != "unloading" or value is not None}
 
 
 class Thrusters(Strict):

@@ -57,13 +57,13 @@ class StampJoiner(Generic[T]):
             stamp: [ns].
             item: what to keep.
         """
-        if stamp in self._done:
+        if self._once and stamp in self._done:
             return None
         items = self._open.get(stamp)
         if items is None:
             items = self._open[stamp] = {}
             self._make_room()
-        if (part_index, stamp) in self._giving_way:
+        if self._giving_way and (part_index, stamp) in self._giving_way:
             self._giving_way.discard((part_index, stamp))
             items[part_index] = item
         elif part_index in items and self._choose is not None:

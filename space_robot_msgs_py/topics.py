@@ -2,59 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
-
-Kind = Literal[
-    "state",
-    "reference",
-    "command",
-    "accepted_command",
-    "controller_telemetry",
-    "controller_event",
-    "supervision_event",
-    "supervision",
-    "housekeeping",
-    "plant_telemetry",
-    "plant_event",
-    "description",
-    "event",
-    "set_point",
-    "tool",
-]
-
-
-# Rows are compared and hashed by identity: there is one of each, and every message looks its row up.
-@dataclass(frozen=True, slots=True, eq=False)
-class Topic:
-    """One row of the table.
-
-    Attributes:
-        name: relative names live in the run's namespace and can be remapped; absolute ones are ROS-wide.
-        type: ROS type, ``package/msg/Name``.
-        kind: the value it carries a part of; all topics of a kind share a stamp.
-        publisher: the node that publishes it.
-        latched: one message, kept for late joiners.
-        sporadic: not every stamp has a message.
-        recorded: it is written to the log.
-        deterministic: equal runs give equal bytes.
-        derived: in the log it follows from other messages of its stamp; it is derived when the log is written.
-        optional: it is there only in runs that ask for it: a run without it has no channel in its log.
-        meaning: for people.
-    """
-
-    name: str
-    type: str
-    kind: Kind
-    publisher: str
-    meaning: str
-    latched: bool = False
-    sporadic: bool = False
-    recorded: bool = True
-    deterministic: bool = True
-    derived: bool = False
-    optional: bool = False
-
+from space_robot_msgs_py.topic import Kind as Kind
+from space_robot_msgs_py.topic import Topic as Topic
 
 # The order of rows is the order of messages of one stamp in the log.
 ROBOT_DESCRIPTION = Topic(
@@ -151,8 +100,8 @@ SUPERVISOR_MODE = Topic(
     "supervision",
     "supervisor",
     "the mode that holds from the stamp on, one status: message is its name, values are `law`, `reference`, `since` "
-    "[ns] and `answer` [ns], the age of the newest command it knew of, and `brakes`, where those of the joints are "
-    "closed; the controller answers the state when it has it",
+    "[ns] and `answer` [ns], the age of the newest command it knew of, and where it is so `brakes` (closed are those "
+    "of the joints) and `wheels` (thrusters unload them); the controller answers the state when it has it",
     optional=True,
 )
 WRENCH_COMMAND = Topic(
@@ -256,6 +205,16 @@ RUN_END = Topic(
     latched=True,
     recorded=False,
 )
+HEARTBEAT = Topic(
+    "heartbeat",
+    "std_msgs/msg/String",
+    "tool",
+    "every node",
+    "the role of a node whose executor runs, five times a second of the steady clock; only of nodes of a paced run "
+    "that were started one by one",
+    recorded=False,
+    deterministic=False,
+)
 RECORDER_CREDIT = Topic(
     "recorder/credit",
     "rosgraph_msgs/msg/Clock",
@@ -272,8 +231,9 @@ ACCEPTED_COMMAND = Topic(
     "simulator",
     "the commands the simulator accepted, as blocks `stamp` [ns], `wrench`, `effort`; without numbers: the period of "
     "the stamp had none; with a block `too_late`: it can act no more; of two controllers with a block `acting:NAME`: "
-    "the one that answers next, and how many states were answered. Always in a paced run; in lock-step only where a "
-    "node listens, as the recorder does once commands have more than one publisher",
+    "the one that answers next, how many states were answered, and the first state of its turn [ns], and with a block "
+    "`eventI:LINE` for each event of `controller/events` that belongs to the command. Always in a paced run; in "
+    "lock-step only where a node listens, as the recorder does once commands have more than one publisher",
     recorded=False,
 )
 CLOCK = Topic(
@@ -320,6 +280,7 @@ TABLE: tuple[Topic, ...] = (
     REFERENCE_ATTITUDE,
     RUN_BEGIN,
     RUN_END,
+    HEARTBEAT,
     RECORDER_CREDIT,
     ACCEPTED_COMMAND,
     CLOCK,

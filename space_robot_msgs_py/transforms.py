@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
+from struct import Struct
 
 import numpy as np
 
-from space_robot_msgs_py.codec.cdr import ENCAPSULATION, pack_stamp
-from space_robot_msgs_py.codec.layout import Layout
+from space_robot_msgs_py.codec.cdr import pack_stamp
 from space_robot_msgs_py.codec.message_layouts import INERTIAL, tf_message
 from space_robot_msgs_py.codec.values import StateCodec
 from space_robot_msgs_py.errors import LayoutError
@@ -42,13 +42,14 @@ class FrameTransforms:
         self._ways = _ways(len(leading), [*following.values()])
         self._states = StateCodec(joint_names)
         pairs = [(INERTIAL, root or ""), *((joint.parent, joint.child) for joint in moving)]
-        self._form = _Form(tf_message(TF.name, pairs)) if root else None
+        self._form = tf_message(TF.name, pairs) if root else None
+        self._split = Struct("56s" * len(moving))
         self.static = _static(fixed)
         self._basis = _basis(moving)
 
     def of(self, state: RobotState) -> bytes | None:
         """The message on ``/tf`` at a state."""
-        return self._at(pack_stamp(state.stamp), state.q[:7], state.joints)
+        return self._at(pack_stamp(state.stamp), state.q[:7].tobytes(), state.joints)
 
     def from_messages(self, odometry: bytes | None, joints: bytes | None) -> bytes | None:
         """The message on ``/tf`` from base/odom and joint_states; None where they are not a state of this robot."""
@@ -60,10 +61,12 @@ class FrameTransforms:
             position = arm.blocks(joints)[1]
         except LayoutError:
             return None
-        return self._at(stamp, np.frombuffer(pose), np.frombuffer(position))
+        if not isfinite(sum(memoryview(pose).cast("d")) + sum(memoryview(position).cast("d"))):
+            return None
+        return self._at(stamp, pose, np.frombuffer(position))
 
-    def _at(self, stamp: bytes, pose: Vector, joints: Vector) -> bytes | None:
-        if self._form is None or not isfinite(sum(pose.tolist()) + sum(joints.tolist())):
+    def _at(self, stamp: bytes, pose: bytes, joints: Vector) -> bytes | None:
+        if self._form is None:
             return None
         constant, linear, cosine, sine = self._basis
         half = (0.5 * joints)[self._index].reshape(-1, 1)
@@ -74,31 +77,9 @@ class FrameTransforms:
         places += np.sin(half) * sine
         places += half * linear
         places += constant
-        return self._form.fill(stamp, pose, places)
-
-
-class _Form:
-    """A layout of transforms filled all at once: one by one, a tick would take twice as long."""
-
-    def __init__(self, layout: Layout) -> None:
-        head = len(ENCAPSULATION)
-        sizes = [stop - start for start, stop in layout.holes]
-        blank = layout.fill(*map(bytes, sizes))
-        # Alignment counts from behind the header, so that is where a float64 array can lie.
-        self._blank = np.frombuffer(blank[head:], dtype=np.float64)
-        starts = np.array([start - head for start, _ in layout.holes], dtype=np.intp)
-        self._stamps = starts[0::2, None] // 4 + np.arange(2)
-        first, *others = (starts[1::2] // 8).tolist()
-        self._pose = slice(first, first + 7)
-        self._places = np.array(others, dtype=np.intp)[:, None] + np.arange(7)
-
-    def fill(self, stamp: bytes, pose: Vector, places: Vector) -> bytes:
-        """The message with this stamp on every transform, the pose in the first and the places (n, 7) in the others."""
-        message = self._blank.copy()
-        message[self._pose] = pose
-        message[self._places] = places
-        message.view(np.int32)[self._stamps] = np.frombuffer(stamp, dtype=np.int32)
-        return ENCAPSULATION + message.tobytes()
+        blocks = [stamp] * (2 + 2 * len(places))
+        blocks[1::2] = pose, *self._split.unpack(places.tobytes())
+        return self._form.fill(*blocks)
 
 
 def _followers(joints: Mapping[str, FrameJoint], names: Sequence[str]) -> dict[str, Mimic]:

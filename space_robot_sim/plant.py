@@ -39,6 +39,7 @@ from space_robot_sim.sensor_rule import check_wheels
 from space_robot_sim.sensors import Sensors
 from space_robot_sim.spec import DisturbanceSpec, Hold, IntegratorSpec, MonitorSpec, SensorSpec
 from space_robot_sim.telemetry import PlantTelemetry
+from space_robot_sim.unloading import Unloading
 
 
 class PlantNumbers(NamedTuple):
@@ -77,6 +78,7 @@ class SimulatedRobot:
         faults: what goes wrong with its actuators and sensors, and the events that say so.
         monitor: what is checked of commands before they act; None: nothing.
         braked: the brakes of its joints may close, see ``close_brakes``; what they do is in the telemetry.
+        unloads: likewise thrusters and wheels, see ``unload_wheels``.
         disturbance: what pushes the base beside its actuators, at all times.
 
     Raises:
@@ -98,6 +100,7 @@ class SimulatedRobot:
         faults: FaultPlan | None = None,
         monitor: MonitorSpec | None = None,
         braked: bool = False,
+        unloads: bool = False,
         disturbance: DisturbanceSpec | None = None,
     ) -> None:
         if initial.q.size != 7 + robot.n:
@@ -116,6 +119,7 @@ class SimulatedRobot:
         self._plan = faults or FaultPlan((), control_period, 0)
         self._brake_torque = brake_torque(robot)
         self._brakes = JointBrakes(self._seconds) if braked else None
+        self._unloading = Unloading(robot, self._seconds) if unloads else None
         self._actuation = ActuationStage(self._plan, robot.joint_names, self._able, self._brake_torque, self._seconds)
         self._wire = CommandWire(self._plan)
         sensors = sensors or SensorSpec()
@@ -126,7 +130,9 @@ class SimulatedRobot:
         self._compiled = compiled(spec)
         self._wheels = initial_wheels(robot)
         self._sensors = Sensors(sensors, robot.n, control_period, seed)
-        self._telemetry = PlantTelemetry(robot, self._wheels.size, estimated=spec.kind != "rk4", braked=braked)
+        self._telemetry = PlantTelemetry(
+            robot, self._wheels.size, estimated=spec.kind != "rk4", braked=braked, unloads=unloads
+        )
         push = NOTHING if disturbance is None else disturbance.numbers
         self._memory = plant_memory(robot.n, self._wheels.size, len(robot.mimics))._replace(disturbance=push)
         self._context: Context | None = None
@@ -157,12 +163,17 @@ class SimulatedRobot:
         self._wire.reset()
         self._sensing.reset()
         self._closed, self._braking = False, [0.0] * (self._n if self._brakes is not None else 0)
+        self._unload, self._unloaded = False, [0.0] * (4 if self._unloading is not None else 0)
         self._switch_models()
         return self._show(nothing)
 
     def close_brakes(self, closed: bool) -> None:
         """Close the brakes of all joints, or open them, from the next step on."""
         self._closed = closed
+
+    def unload_wheels(self, on: bool) -> None:
+        """Let thrusters unload the wheels, or not, from the next step on; without such thrusters nothing happens."""
+        self._unload = on and self._unloading is not None
 
     def step(self, command: Command | None) -> PlantSample:
         """Advance one control period under the command (None: the hold) and show the state at its end.
@@ -177,8 +188,15 @@ class SimulatedRobot:
             command = self._wire.carry(self._stamp // self._period, command)
         acting = self._hold.take(self._monitor.check(command))
         u = acting.u
-        # Brakes that were closed have to be opened, too.
-        if self._plan.planned or self._closed or self._hold.brakes or any(self._braking):
+        # Brakes that were closed have to be opened, too, and thrusters that fired to be closed.
+        if (
+            self._plan.planned
+            or self._closed
+            or self._hold.brakes
+            or any(self._braking)
+            or self._unload
+            or any(self._unloaded)
+        ):
             u = self._with_faults(u)
         status = self._advance(u)
         self._stamp += self._period
@@ -239,6 +257,10 @@ class SimulatedRobot:
         """What the faults of this tick leave of a command; they also change actuators, motors and brakes."""
         acts = self._actuation.at(self._stamp // self._period, command, self._memory.wheels, self._healthy)
         self._able, arrays = acts.able, acts.arrays
+        if self._unloading is not None:
+            self._able, self._unloaded = self._unloading.able(
+                acts.able, acts.command, self._memory.wheels, self._unload
+            )
         held = locked_joints(arrays)
         if arrays is not self._arrays and np.any(held > locked_joints(self._arrays)):
             self._stop_joints(held)
@@ -288,7 +310,10 @@ class SimulatedRobot:
         y, gauges = plant.y, plant.gauges
         wheels = self._able.axes @ plant.wheels if self._reads_wheels else None
         truth = RobotState(self._stamp, y[: 7 + n], y[7 + n : 13 + 2 * n], plant.effort, gauges[4:], wheels)
-        state, telemetry = self._sensors.measure(truth), self._telemetry.of(self._stamp, acting, plant, self._braking)
+        state, telemetry = (
+            self._sensors.measure(truth),
+            self._telemetry.of(self._stamp, acting, plant, self._braking + self._unloaded),
+        )
         found = self._monitor.events(self._stamp)
         if not self._plan.planned:
             return PlantSample(state, telemetry, events=found)

@@ -11,7 +11,7 @@ from space_robot_msgs_py.interfaces import Telemetry
 from space_robot_sim.command_hold import Acting
 from space_robot_sim.kernel.period import PlantMemory
 
-BRAKES = "brakes"
+BRAKES, UNLOADING = "brakes", "unloading"
 
 
 class PlantTelemetry:
@@ -23,13 +23,15 @@ class PlantTelemetry:
     (6, mean), ``applied_effort`` (n, mean), ``saturation`` (6+n, 0 or 1), ``joint_limit`` (n, how far outside [rad or
     m]), ``command_stamp`` (of the command that acted [ns], -1: none), ``force_ignored`` (free-floating robots: 1 if a
     force was commanded), ``integration_error`` (estimated errors of all steps so far, summed [m or rad]), ``brakes``
-    (n, only where brakes may close: in the last period 1 closed and holding, -1 closed and slipping, 0 open or none).
+    (n, only where brakes may close: in the last period 1 closed and holding, -1 closed and slipping, 0 open or none),
+    ``unloading`` (4, only where thrusters may unload the wheels: 1 where they did, and their mean torque).
 
     Args:
         robot: the true robot.
         wheels: number of its reaction wheels.
         estimated: the integration estimates its error.
         braked: brakes may close.
+        unloads: thrusters may unload the wheels.
 
     Attributes:
         labels: of the blocks.
@@ -37,7 +39,9 @@ class PlantTelemetry:
         traits: limits (2, n) of the joints, whether the robot is free-floating, ``estimated``.
     """
 
-    def __init__(self, robot: Robot, wheels: int, *, estimated: bool = True, braked: bool = False) -> None:
+    def __init__(
+        self, robot: Robot, wheels: int, *, estimated: bool = True, braked: bool = False, unloads: bool = False
+    ) -> None:
         n = robot.n
         blocks = {
             "true_configuration": 7 + n,
@@ -59,12 +63,14 @@ class PlantTelemetry:
             blocks["integration_error"] = 1
         if braked:
             blocks[BRAKES] = n
+        if unloads:
+            blocks[UNLOADING] = 4
         self.labels, self.sizes = tuple(blocks), tuple(blocks.values())
         self.traits = np.array([robot.joint_lower, robot.joint_upper]), self._floating, estimated
         self._limits, self._n = tuple(zip(robot.joint_lower.tolist(), robot.joint_upper.tolist(), strict=True)), n
 
-    def of(self, stamp: int, acting: Acting, plant: PlantMemory, brakes: Sequence[float] = ()) -> Telemetry:
-        """Telemetry at a stamp [ns] after a period under the command ``acting``, with what the brakes did (n,)."""
+    def of(self, stamp: int, acting: Acting, plant: PlantMemory, modes: Sequence[float] = ()) -> Telemetry:
+        """Telemetry at a stamp [ns] after a period under the command ``acting``, with the blocks of modes."""
         # On Python floats: at this size several times faster than on arrays.
         joints = plant.y[7 : 7 + self._n].tolist()
         rest = [max(low - x, x - high, 0.0) for x, (low, high) in zip(joints, self._limits, strict=True)]
@@ -73,7 +79,7 @@ class PlantTelemetry:
             rest.append(float(any(acting.u[:3].tolist())))
         if self._estimated:
             rest.append(float(plant.scratch.error[0]))
-        rest += brakes
+        rest += modes
         parts = (
             plant.y[: 13 + 2 * self._n],
             plant.now[:7],

@@ -34,7 +34,7 @@ Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^\w[\w.-]*$")
 RESERVED = ("mode", "command", "sequence")
 # Keys that older tables do not have: where they say nothing a log has nothing of them.
 LATER = ("schedule", "sequences", "housekeeping", "fallback")
-LATER_OF_MODES, LATER_OF_MONITORS = ("from", "forget", "brakes", "wheels_off"), ("start", "times")
+LATER_OF_MODES, LATER_OF_MONITORS = ("from", "forget", "brakes", "wheels_off", "unload"), ("start", "times")
 
 
 class ModeSpec(Strict):
@@ -59,6 +59,7 @@ class ModeSpec(Strict):
     wheels_off: tuple[NonNegativeInt, ...] = Field(
         default=(), description="wheels that failed, from 0: the others give their part of the torque, too"
     )
+    unload: bool = Field(default=False, description="thrusters unload the wheels; robots that have some for that")
 
     @model_serializer(mode="wrap")
     def _said_as_typed(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -111,9 +111,8 @@ class Supervisor:
             events, self._found = tuple(self._found), []
             self._reported += len(events)
         answer = -1 if now.command is None else now.command.stamp
-        return Supervision(
-            stamp, self.mode, self._law, self._policy, self._since, answer, events, summary, self._brakes
-        )
+        said = self._law, self._policy, self._since, answer, events, summary
+        return Supervision(stamp, self.mode, *said, self._brakes, self._unload)
 
     def _watch(self, mode: str, robot: Robot, limit: Vector) -> tuple[Reader, list[tuple[Monitor, int]]]:
         """What is read in a mode, each value once, and which monitors look at which of them."""
@@ -203,7 +202,7 @@ class Supervisor:
 
     def _enter(self, mode: str, stamp: int) -> None:
         self.mode, self._since, spec = mode, stamp, self._table.modes[mode]
-        self._law, self._policy, self._brakes = spec.law, spec.reference, spec.brakes
+        self._law, self._policy, self._brakes, self._unload = spec.law, spec.reference, spec.brakes, spec.unload
         self._reader, self._watching = self._watched[mode]
         self._reader.forget()
         for monitor in self._monitors:

@@ -89,6 +89,11 @@ class SupervisionTable(Strict):
         """Some mode closes the brakes of the joints."""
         return any(mode.brakes for mode in self.modes.values())
 
+    @property
+    def unloads(self) -> bool:
+        """Thrusters unload the wheels in some mode."""
+        return any(mode.unload for mode in self.modes.values())
+
     def modes_of(self, row: MonitorSpec) -> tuple[str, ...]:
         """In which modes a row is looked at."""
         return row.in_ or tuple(mode for mode in self.modes if mode != row.to)

@@ -23,6 +23,17 @@ os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
 # Every test takes a domain that is free: one that is set here would be the same for all that run beside each other.
 os.environ.pop("ROS_DOMAIN_ID", None)
 
+# Groups of which the tests meet a clock: of nodes that run, and of other programs.
+TIMED = ("graph", "hosts", "browser")
+NICE = 5
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Workers of xdist that compute stand back behind those that meet a clock: there are more of them than cores."""
+    group = item.get_closest_marker("xdist_group")
+    if "PYTEST_XDIST_WORKER" in os.environ and os.nice(0) < NICE and (group is None or group.args[0] not in TIMED):
+        os.nice(NICE)
+
 
 @pytest.fixture
 def spawn() -> Iterator[Spawn]:

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from math import radians
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
-from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes
+from space_robot_bringup.compose.knowledge import nominal_spec, with_knowledge
+from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes, check_unloading
+from space_robot_bringup.compose.robots import initial_state, unladen, variant_of
+from space_robot_bringup.compose.versions import versions
 from space_robot_bringup.experiment.expectations import AnyExpectation
-from space_robot_bringup.experiment.experiment import Experiment, Initial, to_yaml
-from space_robot_bringup.experiment.plant import ModelSpec, PlantSpec
+from space_robot_bringup.experiment.experiment import Experiment, to_yaml
+from space_robot_bringup.experiment.plant import PlantSpec
 from space_robot_bringup.judge.assertions import check_assertions
 from space_robot_bringup.judge.metrics import axis_names, metric_names
 from space_robot_bringup.judge.verdict import check_bands
 from space_robot_control.laws.policy import TYPED, LawPolicy
 from space_robot_control.references.make import make_reference
-from space_robot_control.references.targets import check_limits
-from space_robot_description.dispersion import disperse
 from space_robot_description.load import load_robot
-from space_robot_description.payload import attach_payload, known_part
 from space_robot_description.robot import Robot
-from space_robot_description.rotations import from_rpy
-from space_robot_description.spec import expand
 from space_robot_msgs_py.bounded_yaml import values_in
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Plant, Reference, ReferenceSource, Vector
@@ -49,8 +45,6 @@ if TYPE_CHECKING:
     from space_robot_bringup.compose.run_supervisor import RunSupervisor
     from space_robot_control.laws.base import Law, Review
 
-# Everything whose version can change the bits of a run; the log carries it.
-VERSIONED = ("space-robot", "numpy", "pin", "numba", "mcap", "rosbags")
 # References that a law reviews before a run.
 PATH_POINTS = 200
 
@@ -109,6 +103,11 @@ class Composition:
         return self.experiment.supervision is not None and self.experiment.supervision.brakes
 
     @property
+    def unloads(self) -> bool:
+        """The supervisor may have thrusters unload the wheels."""
+        return self.experiment.supervision is not None and self.experiment.supervision.unloads
+
+    @property
     def loses_commands(self) -> bool:
         """Faults keep commands from the plant: what acted does not tell what was sent."""
         return self.faults is not None and CommandWire(self.faults).faulty
@@ -137,7 +136,8 @@ class Composition:
         """A new plant in its initial state."""
         seed = int(self._seeds[2].generate_state(1, np.uint64)[0])
         initial, spec = InitialState(self._q0, self._v0), self.experiment.plant
-        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults, self.braked)
+        modes = self.braked, self.unloads
+        parts = PlantParts(self.truth, self.experiment.period, initial, seed, self.changes, self.faults, *modes)
         return PLANTS[spec.kind].make(spec, parts)
 
     def controller(self) -> Law:
@@ -243,18 +243,17 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
 
         check_supervision(experiment)
     robot = load(experiment.robot)
-    nominal = _variant(robot, _nominal_spec(experiment), seeds[0])
-    known = experiment.nominal
-    nominal = replace(nominal, command_delay=known.delay_periods, knows_friction=known.friction)
-    truth = _variant(robot, experiment.plant, seeds[1])
-    q0, v0 = _initial(experiment.initial, robot)
+    nominal = with_knowledge(variant_of(robot, nominal_spec(experiment), seeds[0]), experiment.nominal)
+    truth = variant_of(robot, experiment.plant, seeds[1])
+    q0, v0 = initial_state(experiment.initial, robot)
     check_brakes(experiment, truth)
+    check_unloading(experiment, truth)
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)
     plan = fault_plan(experiment, truth, seeds[4])
     if plan is not None and isinstance(spec, PlantSpec):
-        changes = robots_with_faults(plan, _variant(robot, _unladen(spec), seeds[1]), spec)
+        changes = robots_with_faults(plan, variant_of(robot, unladen(spec), seeds[1]), spec)
     reference = make_reference(experiment.reference, nominal, q0)
     composition = Composition(experiment, nominal, truth, changes, plan, policy, reference, seeds, q0, v0)
     free_flying = nominal.base_mode == "free_flying"
@@ -275,20 +274,6 @@ def check_expect(expect: Mapping[str, AnyExpectation], composition: Composition)
     check_assertions(expect, nominal, composition.experiment, composition.faults, metrics)
 
 
-def versions() -> dict[str, str]:
-    """Versions of everything that can change the bits of a run."""
-    # Here, because it loads a reader of e-mail, and only a log has versions.
-    from importlib import metadata
-
-    found: dict[str, str] = {"python": platform.python_version()}
-    for name in VERSIONED:
-        try:
-            found[name] = metadata.version(name)
-        except metadata.PackageNotFoundError:
-            found[name] = "absent"
-    return found
-
-
 def _check_recorded(experiment: Experiment) -> None:
     """A recorded reference has a row for every tick up to its last; a gap would end the run."""
     spec = experiment.reference
@@ -307,45 +292,3 @@ def _delay_warnings(experiment: Experiment, law: Law) -> Iterator[str]:
         yield f"plant.delay_periods={real}, but the law knows of {known}: see nominal.delay_periods"
     if real and known and not law.uses_command_delay:
         yield f"{law.name or type(law).__qualname__} takes no account of nominal.delay_periods={known}"
-
-
-def _nominal_spec(experiment: Experiment) -> ModelSpec:
-    """What ``nominal`` says, with its payload where it says a fraction of the real one."""
-    nominal, real = experiment.nominal, experiment.plant.payload
-    if nominal.payload_known is None:
-        return nominal
-    if real is None:
-        accepted = "a plant.payload to know of"
-        raise SpecError(
-            "there is no payload", key="nominal.payload_known", value=nominal.payload_known, accepted=accepted
-        )
-    payload = known_part(real, nominal.payload_known) if nominal.payload_known else None
-    return nominal.model_copy(update={"payload": payload})
-
-
-def _unladen(spec: ModelSpec) -> ModelSpec:
-    return spec.model_copy(update={"payload": None})
-
-
-def _variant(robot: Robot, spec: ModelSpec, seed: np.random.SeedSequence) -> Robot:
-    if spec.dispersion is not None:
-        robot = disperse(robot, spec.dispersion, np.random.default_rng(seed))
-    if spec.payload is not None:
-        robot = attach_payload(robot, spec.payload)
-    return robot
-
-
-def _initial(spec: Initial, robot: Robot) -> tuple[Vector, Vector]:
-    joints = robot.home
-    if spec.joints_deg is not None:
-        joints = np.radians(
-            expand(spec.joints_deg, robot.joint_names, "initial.joints_deg", np.degrees(joints).tolist())
-        )
-        check_limits(joints, joints, robot, "initial.joints_deg", in_degrees=True)
-    elif spec.joints is not None:
-        joints = expand(spec.joints, robot.joint_names, "initial.joints", joints.tolist())
-        check_limits(joints, joints, robot, "initial.joints")
-    quaternion = from_rpy([radians(angle) for angle in spec.attitude_deg])
-    q0 = np.concatenate([np.array(spec.position), quaternion, joints])
-    v0 = np.concatenate([np.array(spec.linear_velocity), np.array(spec.angular_velocity), np.zeros(robot.n)])
-    return q0, v0

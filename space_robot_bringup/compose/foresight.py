@@ -121,7 +121,8 @@ def _friction(composition: Composition) -> Iterator[str]:
 def _readings(composition: Composition, channel: ChannelSpec | None) -> Iterator[str]:
     """Least squares take the torque of the wheels from two readings: their noise over the period is noise of a row."""
     experiment = composition.experiment
-    noise = 0.0 if channel is None else np.sqrt(2.0) * float(np.max(channel.noise)) / experiment.control_period
+    read = channel if composition.nominal.knows_wheels else None
+    noise = 0.0 if read is None else np.sqrt(2.0) * float(np.max(read.noise)) / experiment.control_period
     for name, spec in experiment.controller.laws.items():
         if spec.law != "adaptive" or noise == 0.0:
             continue

@@ -38,6 +38,7 @@ class PlantParts:
         changes: the true robots of the course of the run, in order.
         faults: what goes wrong; None: nothing.
         braked: a supervisor may close the brakes of the joints.
+        unloads: a supervisor may have thrusters unload the wheels.
     """
 
     truth: Robot
@@ -47,6 +48,7 @@ class PlantParts:
     changes: Changes
     faults: FaultPlan | None = None
     braked: bool = False
+    unloads: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +83,7 @@ def _articulated(spec: PlantSpec, parts: PlantParts) -> Plant:
         faults=parts.faults,
         monitor=spec.monitor,
         braked=parts.braked or brakes_when_silent(spec),
+        unloads=parts.unloads,
         disturbance=spec.disturbance,
     )
 
@@ -105,6 +108,23 @@ def check_brakes(experiment: Experiment, truth: Robot) -> None:
     if experiment.plant.kind != "articulated" or not brake_torque(truth).any():
         accepted = "an articulated robot with actuators.joints.brake"
         raise SpecError("the robot has no brakes", key=wanted[0], value=True, accepted=accepted)
+
+
+def check_unloading(experiment: Experiment, truth: Robot) -> None:
+    """Refuse to unload wheels without thrusters, or unseen: laws would reckon what the wheels hold without that.
+
+    Raises:
+        SpecError: the message names the key.
+    """
+    modes = {} if experiment.supervision is None else experiment.supervision.modes
+    wanted = [f"supervision.modes.{name}.unload" for name, mode in modes.items() if mode.unload]
+    if not wanted:
+        return
+    if experiment.plant.kind != "articulated" or getattr(truth.actuators.base_torque, "unloading", None) is None:
+        accepted = "an articulated robot with actuators.base_torque.unloading"
+        raise SpecError("no thrusters unload the wheels of this robot", key=wanted[0], value=True, accepted=accepted)
+    if experiment.plant.sensors.wheel_momentum is None:
+        raise SpecError("needs a reading of the wheels", key=wanted[0], accepted="plant.sensors.wheel_momentum")
 
 
 def _captures(spec: PlantSpec, truth: Robot, control_period: float) -> Changes:

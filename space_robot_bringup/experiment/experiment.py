@@ -73,11 +73,15 @@ class NominalSpec(ModelSpec):
     friction: bool = Field(
         default=False, description="laws add the friction of actuators.joints at the desired rates to their efforts"
     )
+    wheels: bool = Field(
+        default=True, description="laws know the momentum of the reaction wheels; false: they take it for 0"
+    )
 
     @model_serializer(mode="wrap")
     def _without_what_is_not(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        # The log of a run whose laws assume neither is, to the byte, what it was before they could.
-        return {key: value for key, value in handler(self).items() if key not in ("delay_periods", "friction") or value}
+        # The log of a run whose laws assume what is usual is, to the byte, what it was before they could do otherwise.
+        usual = {"delay_periods": 0, "friction": False, "wheels": True}
+        return {key: value for key, value in handler(self).items() if key not in usual or value != usual[key]}
 
     @model_validator(mode="after")
     def _one_payload(self) -> Self:

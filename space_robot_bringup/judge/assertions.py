@@ -22,7 +22,9 @@ from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.happenings import entered, known_names, names_of
 from space_robot_bringup.judge.signals import Rows, Signal, signals_of
-from space_robot_bringup.judge.temporal import Clock, Finding, Now, Watch, pattern, watch_of
+from space_robot_bringup.judge.temporal import Watch, watch_of
+from space_robot_bringup.judge.window import Clock, Finding, Now
+from space_robot_bringup.judge.wording import pattern
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError

@@ -67,7 +67,7 @@ class Judge:
         )
         self._remarks = Remarks(nominal, experiment.period, experiment.plant.delay_periods)
         self._pending: tuple[DiagnosticEvent, ...] = ()
-        self._refusal: SpaceRobotError | ValueError | None = None
+        self._refusal: SpaceRobotError | None = None
 
     def add(self, block: Block, events: Iterable[DiagnosticEvent] = ()) -> None:
         """Take the next ticks and what happened at them; what cannot be judged is an error of ``verdict``."""
@@ -77,7 +77,7 @@ class Judge:
                 self._measurement.add(*block)
                 self._remarks.add(stamps, plant, v_d)
                 self._assertions.add(stamps, Rows(plant, q_d, v_d), events)
-            except (SpaceRobotError, ValueError) as error:
+            except SpaceRobotError as error:
                 self._refusal = error
 
     def add_log(self, block: LogBlock) -> None:
@@ -96,8 +96,8 @@ class Judge:
             lacks: says what a tick lacks that is not complete.
 
         Raises:
-            SpaceRobotError: the ticks lack the telemetry that metrics are made of, or a metric is not finite.
-            ValueError: the ticks are of another robot.
+            SpaceRobotError: the ticks lack the telemetry that metrics are made of, or are of another robot, or a metric
+                is not finite.
         """
         if self._refusal is not None:
             raise self._refusal

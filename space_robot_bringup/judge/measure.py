@@ -72,7 +72,9 @@ class Measurement:
         lengths = [True] * 3 + [False] * 3 + list(prismatic or [False] * len(joint_names))
         self._lengths = lengths[self._first :]
         self._scale = np.where(self._lengths, 1.0, np.degrees(1.0))
-        self._bands = bands or {}
+        self._bands, n = bands or {}, len(joint_names)
+        self._sizes = {"true_configuration": 7 + n, "reference.q": 7 + n, "reference.v": 6 + n, "saturation": 6 + n}
+        self._sizes |= {"applied_wrench": 6, "applied_effort": n}
         self._stamps: list[npt.NDArray[np.int64]] = []
         self._truth: list[Matrix] = []
         self._squares: list[Matrix] = []
@@ -99,10 +101,11 @@ class Measurement:
             v_d: (K, 6+n) desired velocity.
 
         Raises:
-            LayoutError: a block of the plant's telemetry is missing.
+            LayoutError: a block of the plant's telemetry is missing, or something is of another robot.
         """
         if missing := [label for label in PLANT_BLOCKS if label not in plant]:
             raise LayoutError("no such block", key="telemetry", value=missing[0], accepted=", ".join(plant))
+        self._check_sizes({**plant, "reference.q": q_d, "reference.v": v_d})
         # A copy: the columns of a block keep the whole block.
         truth = np.array(plant["true_configuration"])
         errors = self._scaled(deviations(truth, q_d))
@@ -121,6 +124,12 @@ class Measurement:
         self._truth.append(truth)
         self._squares.append(errors**2)
         self._torque.append(torque)
+
+    def _check_sizes(self, blocks: Mapping[str, Matrix]) -> None:
+        for label, size in self._sizes.items():
+            if blocks[label].shape[1] != size:
+                accepted = f"{size} numbers"
+                raise LayoutError("of another robot", key=label, value=blocks[label].shape[1], accepted=accepted)
 
     def result(self) -> RunMetrics:
         """The judged run.

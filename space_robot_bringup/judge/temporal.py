@@ -7,105 +7,11 @@ What would be known only after the end of the run is not judged, and so never sa
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Set
-from dataclasses import dataclass
 
-from space_robot_bringup.experiment.expectations import Moment, Occurrence, Temporal
+from space_robot_bringup.experiment.expectations import Temporal
+from space_robot_bringup.judge.window import Clock, Finding, Now, Window, nanoseconds
+from space_robot_bringup.judge.wording import how_often, unopened
 from space_robot_msgs_py.interfaces import NANOSECONDS
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """What a run shows.
-
-    Attributes:
-        passed: it is as wanted; None: the run does not tell.
-        reason: why, in words, with time and tick.
-        measured: the number it depends on, where there is one.
-    """
-
-    passed: bool | None
-    reason: str
-    measured: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Now:
-    """What is seen at one tick.
-
-    Attributes:
-        stamp: [ns].
-        holds: the condition.
-        value: the number that the condition is about; None: there is none.
-        events: what happens, see ``happening.names_of``.
-        said: the value in words.
-    """
-
-    stamp: int
-    holds: bool
-    value: float | None
-    events: Set[str]
-    said: str
-
-
-@dataclass(frozen=True, slots=True)
-class Clock:
-    """How stamps are said.
-
-    Attributes:
-        period: control period [ns].
-        last: stamp of the last tick that the experiment asks for [ns].
-    """
-
-    period: int
-    last: int
-
-    def at(self, stamp: int) -> str:
-        """A stamp in words."""
-        return f"at {stamp / NANOSECONDS:g} s (tick {stamp // self.period})"
-
-
-class Window:
-    """From when to when something is judged: opened by a time or an event, closed by another.
-
-    Args:
-        spec: what is expected.
-
-    Attributes:
-        open: it is judged now.
-        opened: it has been.
-    """
-
-    def __init__(self, spec: Temporal) -> None:
-        self._spec, self._after, self._until = spec, _moment(spec.after), _moment(spec.until)
-        self.open = self.opened = False
-
-    def opens(self, now: Now) -> bool:
-        """Take a tick; whether the window begins here, or begins again."""
-        if isinstance(self._until, int) and now.stamp >= self._until:
-            self.open = False
-            return False
-        if self._until in now.events:
-            self.open = False
-        if isinstance(self._after, str):
-            begins = self._after in now.events
-        else:
-            begins = not self.opened and now.stamp >= (self._after or 0)
-        if begins:
-            self.open = self.opened = True
-        return begins
-
-    @property
-    def ends_with_run(self) -> bool:
-        """Nothing else has closed it."""
-        return self.open and not isinstance(self._until, int)
-
-    def unseen(self, clock: Clock, last: int) -> str:
-        """Why it was not seen to its end, if the run ended at a stamp [ns]; nothing where it was."""
-        if not self.opened:
-            return unopened(self._spec)
-        end = self._until if isinstance(self._until, int) else clock.last if self.open or not self._until else last
-        return "" if last >= end else f"the run ended at {last / NANOSECONDS:g} s, before {end / NANOSECONDS:g} s"
 
 
 class Never:
@@ -119,7 +25,7 @@ class Never:
 
     def __init__(self, spec: Temporal, clock: Clock, *, highest: bool = True) -> None:
         self._window, self._clock, self._sign = Window(spec), clock, 1.0 if highest else -1.0
-        self._for = _nanoseconds(spec.for_)
+        self._for = nanoseconds(spec.for_)
         self._since: int | None = None
         self._worst: tuple[float, str] | None = None
         self._found: Finding | None = None
@@ -165,7 +71,7 @@ class Within:
 
     def __init__(self, spec: Temporal, clock: Clock) -> None:
         self._spec, self._window, self._clock = spec, Window(spec), clock
-        self._span, self._for = _nanoseconds(spec.within), _nanoseconds(spec.for_)
+        self._span, self._for = nanoseconds(spec.within), nanoseconds(spec.for_)
         # Beginnings without an answer yet: at most as many as there are ticks in the time an answer may take.
         self._waiting: deque[int] = deque()
         self._since: int | None = None
@@ -218,7 +124,7 @@ class Count:
     """
 
     def __init__(self, spec: Temporal, clock: Clock) -> None:
-        self._window, self._clock, self._for = Window(spec), clock, _nanoseconds(spec.for_)
+        self._window, self._clock, self._for = Window(spec), clock, nanoseconds(spec.for_)
         self._most, self._least = spec.at_most, spec.at_least or 0
         self._since: int | None = None
         self._counted = False
@@ -237,7 +143,7 @@ class Count:
 
     def finish(self) -> Finding:
         """What the run showed."""
-        times = _times(self._count) + (f", last {self._at}" if self._count else "")
+        times = how_often(self._count) + (f", last {self._at}" if self._count else "")
         if self._most is not None and self._count > self._most:
             return Finding(False, times, float(self._count))
         if self._most is None and self._count >= self._least:
@@ -258,7 +164,7 @@ class AtEnd:
     """
 
     def __init__(self, spec: Temporal, clock: Clock) -> None:
-        self._clock, self._for = clock, _nanoseconds(spec.for_)
+        self._clock, self._for = clock, nanoseconds(spec.for_)
         self._since: int | None = None
         self._now: Now | None = None
 
@@ -289,45 +195,3 @@ def watch_of(spec: Temporal, clock: Clock, *, highest: bool = True) -> Watch:
     if spec.counts:
         return Count(spec, clock)
     return AtEnd(spec, clock) if spec.at_end else Never(spec, clock, highest=highest)
-
-
-def pattern(spec: Temporal) -> str:
-    """What is wanted of a condition, in words."""
-    lasting = f" for {spec.for_:g} s" if spec.for_ is not None else ""
-    after = "" if spec.after is None else f" after {_said(spec.after)}"
-    until = "" if spec.until is None else f" until {_said(spec.until)}"
-    if spec.within is not None:
-        return f"within {spec.within:g} s{after or ' after the start'}{lasting}"
-    if spec.counts:
-        bounds = (("at least", spec.at_least), ("at most", spec.at_most))
-        return " and ".join(f"{word} {_times(count)}" for word, count in bounds if count is not None) + (
-            f"{lasting}{after}{until}"
-        )
-    if spec.at_end:
-        return f"at the end{lasting}"
-    word = "always" if isinstance(spec, Occurrence) and spec.always else "never"
-    return f"{word}{lasting}{after}{until}"
-
-
-def unopened(spec: Temporal) -> str:
-    """Why a window never began."""
-    if isinstance(spec.after, str):
-        return f"{spec.after} did not happen"
-    return f"the run ended before {spec.after or 0.0:g} s"
-
-
-def _times(count: int) -> str:
-    return "once" if count == 1 else f"{count} times"
-
-
-def _moment(moment: Moment | None) -> int | str | None:
-    """A time as a stamp [ns]."""
-    return moment if moment is None or isinstance(moment, str) else _nanoseconds(moment)
-
-
-def _nanoseconds(seconds: float | None) -> int:
-    return 0 if seconds is None else round(seconds * NANOSECONDS)
-
-
-def _said(moment: Moment) -> str:
-    return moment if isinstance(moment, str) else f"{moment:g} s"

@@ -160,7 +160,7 @@ class _Reading:
             return Judgement(None, ())
         try:
             return self._judge.verdict(reason)
-        except (SpaceRobotError, ValueError) as error:
+        except SpaceRobotError as error:
             # A log of another plant may lack the telemetry that metrics are made of.
             troubles.append(f"no verdict: {error}")
             return Judgement(None, ())

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from space_robot_bringup.judge.happenings import entered
-from space_robot_msgs_py.codec.topic_bytes import events_of, statuses_of
+from space_robot_msgs_py.codec.tick_events import events_of, statuses_of
 from space_robot_msgs_py.errors import LayoutError, LogError
 from space_robot_msgs_py.events import ERROR, OK, WARN, ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import NANOSECONDS

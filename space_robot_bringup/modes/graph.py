@@ -108,7 +108,7 @@ def make_node(
             options |= {"name": role, "period": experiment.period}
             return RedundantControllerNode(composition.controller, names, **options)
         return ControllerNode(composition.controller, names, paced=realtime is not None, **options)
-    timing |= optional | {"ahead": ahead, "braked": composition.braked, "failover": failover}
+    timing |= optional | {"ahead": ahead, "obeys": composition.braked or composition.unloads, "failover": failover}
     return SimulatorNode(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )

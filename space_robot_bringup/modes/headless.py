@@ -14,7 +14,6 @@ from space_robot_bringup.modes.signals import Interrupted
 from space_robot_control.laws.guarded import LawError, guarded_update
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.interfaces import (
-    BrakedPlant,
     Controller,
     ControlOutput,
     Plant,
@@ -23,6 +22,7 @@ from space_robot_msgs_py.interfaces import (
     ReferenceSource,
     Sink,
     SupervisedController,
+    SupervisedPlant,
     Supervision,
     SupervisorUnit,
     Tick,
@@ -123,7 +123,7 @@ def ticks(
         supervisor.reset()
     found: Supervision | None = None
     output: ControlOutput | None = None
-    brakes = plant if supervisor is not None and isinstance(plant, BrakedPlant) else None
+    obeys = plant if supervisor is not None and isinstance(plant, SupervisedPlant) else None
     sample = plant.reset()
     for tick in range(steps + 1):
         at.role = "guidance"
@@ -141,8 +141,9 @@ def ticks(
         yield Tick(sample, target, output, found)
         at.role = "simulator"
         if tick < steps:
-            if brakes is not None and found is not None:
-                brakes.close_brakes(found.brakes)
+            if obeys is not None and found is not None:
+                obeys.close_brakes(found.brakes)
+                obeys.unload_wheels(found.unload)
             sample = plant.step(output.command)
 
 

@@ -6,7 +6,6 @@ import os
 import selectors
 import signal
 import subprocess
-import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -14,10 +13,13 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.ends import of_process
 from space_robot_bringup.modes.chaos import Blow, plan
 from space_robot_bringup.modes.context import reservations, reserved_domain
+from space_robot_bringup.modes.forked import ForkedProcess
 from space_robot_bringup.modes.heartbeats import SILENT_SECONDS, Heartbeats
 from space_robot_bringup.modes.hooks import roles_of
+from space_robot_bringup.modes.starting import start_node
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ParentEnd
 from space_robot_msgs_py.codec.accepted import CONTROLLERS
 from space_robot_msgs_py.errors import LogError
@@ -105,7 +107,7 @@ class _NodeProcesses:
     ) -> None:
         self._place, self._arguments, self._experiment = place, arguments, experiment
         self._environment = os.environ | {"ROS_DOMAIN_ID": str(domain)}
-        self._children: dict[str, subprocess.Popen[bytes]] = {}
+        self._children: dict[str, ForkedProcess] = {}
         self._tethers: dict[str, ParentEnd] = {}
         self._selector = selectors.DefaultSelector()
         self._due = {role: monotonic() + late for role, late in starts.items()}
@@ -158,19 +160,11 @@ class _NodeProcesses:
             inherited = {"--tether": tether.child.fileno(), "--experiment": self._experiment}
             if role == RECORDER:
                 inherited["--directory"] = self._place.descriptor
-            command = [sys.executable, "-m", "space_robot_bringup.nodes.process", role, *self._arguments]
-            command += ["--experiment", f"/dev/fd/{self._experiment}", "--out", str(self._place.path)]
-            command += [text for name in inherited if name != "--experiment" for text in (name, str(inherited[name]))]
-            # A session of its own: Ctrl-C in the terminal reaches this process only, which then ends them in order.
-            # What a law prints is for people; this process's stdout may be for programs.
-            self._children[role] = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=2,
-                env=self._environment,
-                start_new_session=True,
-                pass_fds=(*inherited.values(), *reservations()),
-            )
+            arguments = [role, *self._arguments, "--experiment", f"/dev/fd/{self._experiment}"]
+            arguments += ["--out", str(self._place.path)]
+            arguments += [text for name in inherited if name != "--experiment" for text in (name, str(inherited[name]))]
+            descriptors = (*inherited.values(), *reservations())
+            self._children[role] = start_node(arguments, self._environment, descriptors)
             tether.child.close()
             self._tethers[role] = tether
             self._selector.register(tether, selectors.EVENT_READ, role)
@@ -211,7 +205,7 @@ class _NodeProcesses:
         for role in self._beats.silent():
             if role in CONTROLLERS and not self._has_another(role):
                 continue
-            self._causes[role] = f"{role}: its process was silent for {SILENT_SECONDS:g} s"
+            self._causes[role] = of_process(role, f"was silent for {SILENT_SECONDS:g} s")
             self._beats.forget(role)
             self._children[role].kill()
 
@@ -261,16 +255,16 @@ class _NodeProcesses:
         try:
             code = child.wait(END_SECONDS)
         except subprocess.TimeoutExpired:
-            return f"{role}: its process let go of the run"
+            return of_process(role, "let go of the run")
         what = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-        return f"{role}: its process ended with {what}"
+        return of_process(role, f"ended with {what}")
 
     def _close_log(self, reason: str) -> str:
         """In place of a recorder that is no more, or that never gets there."""
         recorder = self._children.get(RECORDER)
         if RECORDER in self._tethers and self._beats.is_late(RECORDER) and reason == "completed":
             # The plant got to its end, but the log did not.
-            reason = f"{RECORDER}: its process was silent"
+            reason = of_process(RECORDER, "was silent")
         if recorder is not None:
             recorder.kill()
             recorder.wait()

@@ -15,7 +15,9 @@ from contextlib import suppress
 from time import monotonic
 from typing import Any
 
-PARENT_DIED = "parent: its process ended"
+from space_robot_bringup.ends import of_process
+
+PARENT_DIED = of_process("parent", "ended")
 DEATH = json.dumps({"end": PARENT_DIED, "hurry": True}).encode()
 MAX_PACKET, MAX_TEXT = 1 << 16, 1000
 # A child that was ordered to end and does not get there is stuck in a law; nothing waits for it any longer.

@@ -12,6 +12,7 @@ import sys
 import traceback
 from argparse import Namespace
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from math import inf
 from pathlib import Path
 from time import monotonic
@@ -29,6 +30,7 @@ from space_robot_bringup.modes.hooks import STANDBY, SUPERVISOR
 from space_robot_bringup.modes.signals import Interrupted, RunStop
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ChildEnd
 from space_robot_bringup.nodes.arguments import Start, composed, parser, split_ros_arguments, start_from
+from space_robot_bringup.nodes.graph_beats import GraphBeats
 from space_robot_bringup.nodes.patience import Patience
 from space_robot_bringup.nodes.waiting import WaitNotes
 from space_robot_control.laws.policy import TYPED
@@ -110,7 +112,7 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
         if isinstance(node, RecorderNode):
             watches.append(_progress(node, composition.experiment.period, tether))
         if start.realtime:
-            watches.append(beating(tether))
+            watches.append(beating(tether) if options.tether is not None else GraphBeats(node, options.role).look)
         code = _spin(node, stop, tether, watches, log=options.tether is None)
         if options.debug and node.failure is not None:
             traceback.print_exception(node.failure)
@@ -207,6 +209,19 @@ def _progress(node: RecorderNode, period: int, tether: ChildEnd) -> Callable[[],
             tether.tell(tick=node.written_until // period)
 
     return tell
+
+
+def forked(*arguments: str) -> Never:
+    """A node in a process that a nursery forked: in a session of its own, known to the system by its role.
+
+    Ctrl-C in the terminal reaches only the process that started the run, which then ends its nodes in order.
+    """
+    os.setsid()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    with suppress(OSError):
+        Path("/proc/self/comm").write_text(arguments[0])
+    leave(main([*arguments]))
 
 
 def leave(code: int) -> Never:

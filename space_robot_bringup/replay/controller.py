@@ -7,10 +7,10 @@ from contextlib import suppress
 
 from space_robot_bringup.compose.supervision import ModeController
 from space_robot_bringup.replay.comparison import Tolerance
-from space_robot_bringup.replay.controller_events import apply_event
 from space_robot_bringup.replay.recording import Recording, other_code
 from space_robot_bringup.replay.result import Outcome
 from space_robot_bringup.replay.side import SideReplay
+from space_robot_control.laws.recorded_events import apply_event
 from space_robot_msgs_py.codec.codecs import decode_events
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import LATE, RECORDED, ControllerEvent

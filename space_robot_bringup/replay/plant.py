@@ -12,7 +12,7 @@ from space_robot_bringup.replay.side import SideReplay
 from space_robot_msgs_py.codec.codecs import TickCodec, decode_statuses
 from space_robot_msgs_py.errors import LogError, SpaceRobotError
 from space_robot_msgs_py.events import DiagnosticEvent, said
-from space_robot_msgs_py.interfaces import BrakedPlant, Command, PlantSample, Vector
+from space_robot_msgs_py.interfaces import Command, PlantSample, SupervisedPlant, Vector
 from space_robot_msgs_py.log.arrays import Row
 from space_robot_msgs_py.topics import (
     BASE_ODOM,
@@ -28,8 +28,8 @@ FAILED = "simulator: "
 _SHOWN = (*topics_of("state"), PLANT_TELEMETRY)
 # The block of the plant's telemetry that says which command acted; see PlantTelemetry.
 ACTED = "command_stamp"
-# The one that says whether brakes were closed, see ``space_robot_sim.telemetry``.
-BRAKES = "brakes"
+# Those that say whether brakes were closed, and wheels unloaded, see ``space_robot_sim.telemetry``.
+BRAKES, UNLOADING = "brakes", "unloading"
 
 
 def replay_plant(recording: Recording, tolerance: Tolerance) -> Outcome:
@@ -51,8 +51,9 @@ class _PlantReplay(SideReplay):
         self._plant = self._composition.plant()
         self._commands: dict[int, Command] = {}
         self._acted: dict[int, int] = {}
-        # Ends of the periods in which brakes were closed.
+        # Ends of the periods in which brakes were closed, and wheels unloaded.
         self._braked: set[int] = set()
+        self._unloaded: set[int] = set()
         self._judged: dict[int, DiagnosticEvent] = {}
 
     def run(self) -> Outcome:
@@ -72,8 +73,9 @@ class _PlantReplay(SideReplay):
         for (stamp, _), following in pairwise(rows):
             if following[0] != stamp + self._period:
                 return f"states are missing between {stamp} ns and {following[0]} ns: not compared from there on"
-            if isinstance(self._plant, BrakedPlant):
+            if isinstance(self._plant, SupervisedPlant):
                 self._plant.close_brakes(following[0] in self._braked)
+                self._plant.unload_wheels(following[0] in self._unloaded)
             try:
                 sample = self._plant.step(self._command(stamp))
             except SpaceRobotError as error:
@@ -123,6 +125,7 @@ class _PlantReplay(SideReplay):
         shown = [(stamp, _telemetry(self._codec, parts)) for stamp, parts in rows]
         self._acted = {stamp: int(blocks[ACTED][0]) for stamp, blocks in shown if ACTED in blocks}
         self._braked = {stamp for stamp, blocks in shown if BRAKES in blocks and blocks[BRAKES].any()}
+        self._unloaded = {stamp for stamp, blocks in shown if UNLOADING in blocks and blocks[UNLOADING][0]}
         self._judged = {stamp: found for stamp, parts in rows for found in self._recorded(PLANT_EVENTS, parts)}
 
     def _command(self, stamp: int) -> Command | None:
@@ -153,4 +156,4 @@ def _telemetry(codec: TickCodec, parts: Mapping[str, bytes]) -> dict[str, Vector
         blocks = codec.plant_telemetry.decode((raw,)).items()
     except SpaceRobotError:
         return {}
-    return {label: block for label, block in blocks if label in (ACTED, BRAKES) and block.size}
+    return {label: block for label, block in blocks if label in (ACTED, BRAKES, UNLOADING) and block.size}

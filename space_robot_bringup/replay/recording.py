@@ -8,8 +8,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.compose.composition import Composition, versions
+from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.compose.controllers import law_sources
+from space_robot_bringup.compose.versions import versions
 from space_robot_bringup.experiment.controller import ControllerSpec
 from space_robot_bringup.experiment.experiment import (
     Overrides,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
+from space_robot_bringup.ends import is_of_process
 from space_robot_bringup.replay.comparison import Comparison, Tolerance
 from space_robot_bringup.replay.recording import Recording
 from space_robot_bringup.replay.result import Against, Outcome, absent_topics
@@ -26,7 +27,9 @@ class SideReplay:
         self._period = self._composition.experiment.period
         self._codec = TickCodec(self._composition.joint_names)
         self._comparison = Comparison(self._composition.joint_names, tolerance)
-        self._ended = recording.end_reason or ""
+        reason = recording.end_reason or ""
+        # What a killed process would have computed next is in no log, and is no difference.
+        self._ended = "" if is_of_process(reason) else reason
         # What was not compared, and how often.
         self._notes: Counter[str] = Counter()
         self._ticks, self._last = 0, -1

@@ -95,7 +95,7 @@ def _lines(group: Group, result: CampaignResult) -> Iterator[str]:
 
 def _rate(rate: Rate) -> str:
     interval = f"{100 * rate.low:.1f} to {100 * rate.high:.1f} %"
-    return f"{rate.count} of {rate.n} = {100 * rate.rate:.1f} %, 95 % interval {interval} (Clopper-Pearson)"
+    return f"{rate.count} of {rate.n} = {100 * rate.rate:.1f} %, 95 % interval {interval} (Wilson)"
 
 
 def _short(value: float | None) -> str:

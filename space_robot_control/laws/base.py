@@ -117,7 +117,7 @@ class Law(Tunable, ABC):
         self.gains = gains
         self._layout: tuple[tuple[str, ...], tuple[int, ...]] | None = None
         self._sent = CommandDelay(robot.command_delay, none=False)
-        self.wheels = WheelMomentum(robot)
+        self.wheels = WheelMomentum(robot, known=robot.knows_wheels)
         self.friction = NominalFriction(robot, known=robot.knows_friction)
         prepare()
 

@@ -7,7 +7,6 @@ from time import perf_counter
 from typing import Any, cast
 
 from rclpy.duration import Duration
-from rclpy.publisher import Publisher
 from std_srvs.srv import Trigger
 
 from space_robot_control.laws.base import Law
@@ -21,6 +20,7 @@ from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.interfaces import NANOSECONDS, ControlOutput, Reference, RobotState, SupervisedController
 from space_robot_msgs_py.nodes.fill import fill
 from space_robot_msgs_py.nodes.managed import ManagedNode
+from space_robot_msgs_py.nodes.sending import Send, sending
 from space_robot_msgs_py.nodes.tick_inputs import TickInputs
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, CONTROLLER_TELEMETRY, SUPERVISOR_MODE, WRENCH_COMMAND
 
@@ -76,7 +76,7 @@ class ControllerNode(ManagedNode):
         beside = [(SUPERVISOR_MODE, self._read_mode)] if supervised else []
         self._inputs = TickInputs(self, joint_names, self._take_in, beside, self._answer_again, wheels=wheels)
         # The newest answer, and whom it was given by.
-        self._said: tuple[int, list[tuple[Publisher, bytes]]] = -1, []
+        self._said: tuple[int, list[tuple[Send, bytes]]] = -1, []
         self.keep()
 
     @property
@@ -100,13 +100,13 @@ class ControllerNode(ManagedNode):
         self._health = ControllerHealth(self, self._law)
         self.parameters.declare(self._law.parameters())
         before = self.publishers_by_mark(WRENCH_COMMAND)
-        self._command_publishers = [self.publisher(topic) for topic in self._command.topics]
+        self._command_senders = [sending(self.publisher(topic)) for topic in self._command.topics]
         # Another controller may come to be at the same time.
         own = self.get_fully_qualified_name()
         found = self.publishers_by_mark(WRENCH_COMMAND).items()
         mine = [mark for mark, name in found if name == own and mark not in before]
         self._mark = mine[0] if len(mine) == 1 else UNMARKED
-        self._telemetry_publisher = self.publisher(CONTROLLER_TELEMETRY)
+        self._telemetry_sender = sending(self.publisher(CONTROLLER_TELEMETRY))
         self._event_publisher = self.publisher(CONTROLLER_EVENTS)
         if isinstance(self._law, Switching) and not self._supervised:
             self.create_service(Trigger, "~/switch", self._on_switch)
@@ -188,15 +188,15 @@ class ControllerNode(ManagedNode):
     def _send(self, output: ControlOutput) -> None:
         telemetry = self._telemetry.encode(output.telemetry)[0]
         command = self._marks.put(self._command.encode(output.command), self._mark)
-        said = [(self._telemetry_publisher, telemetry), *zip(self._command_publishers, command, strict=True)]
+        said = [(self._telemetry_sender, telemetry), *zip(self._command_senders, command, strict=True)]
         self._said = output.command.stamp, said
         if output.events:
             self._event_publisher.publish(encode_events(output.events))
             # Topics have no order among each other, and a recorder that has all of a tick waits for nothing more.
             self._event_publisher.wait_for_all_acked(Duration(seconds=HEARING_SECONDS))
         # Telemetry first: when the plant has stepped, everything that belongs to the step before is on its way.
-        for publisher, raw in said:
-            publisher.publish(raw)
+        for send, raw in said:
+            send(raw)
         if output.events:
             self._show_active()
             for event in output.events:
@@ -205,8 +205,8 @@ class ControllerNode(ManagedNode):
     def _answer_again(self, stamp: int) -> None:
         """A state that was answered waits still: the answer was lost on a node that did not hear this one yet."""
         if self.active and stamp == self._said[0]:
-            for publisher, raw in self._said[1]:
-                publisher.publish(raw)
+            for send, raw in self._said[1]:
+                send(raw)
 
     def _show_active(self) -> None:
         if isinstance(self._law, Switching):

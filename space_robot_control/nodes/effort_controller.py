@@ -9,7 +9,8 @@ import numpy as np
 from space_robot_msgs_py.codec.codecs import CommandCodec, peek_stamp
 from space_robot_msgs_py.errors import LayoutError, SpaceRobotError
 from space_robot_msgs_py.interfaces import Command, Vector
-from space_robot_msgs_py.nodes.base import GraphNode, publish_all
+from space_robot_msgs_py.nodes.base import GraphNode
+from space_robot_msgs_py.nodes.sending import publish_all, sending
 from space_robot_msgs_py.ros import to_msg
 from space_robot_msgs_py.topics import BASE_ODOM, Topic
 from space_robot_msgs_py.vectors import vector
@@ -43,7 +44,7 @@ class EffortControllerNode(GraphNode):
     ) -> None:
         super().__init__(name, **options)
         self._codec, self._n, self._paced = CommandCodec(joint_names), len(joint_names), paced
-        self._command_publishers = [self.publisher(topic) for topic in self._codec.topics]
+        self._command_senders = [sending(self.publisher(topic)) for topic in self._codec.topics]
         self.begin_again()
         self.listen(COMMANDS, self._on_commands)
         self.listen(BASE_ODOM, self._on_state)
@@ -76,7 +77,7 @@ class EffortControllerNode(GraphNode):
             return
         if stamp == self._said[0]:
             # It waits still: the answer was lost on a node that did not hear this one yet.
-            publish_all(self._command_publishers, self._said[1])
+            publish_all(self._command_senders, self._said[1])
             return
         self._waiting = stamp
         self._answer()
@@ -88,7 +89,7 @@ class EffortControllerNode(GraphNode):
         self._said, self._waiting = (self._waiting, tuple(self._codec.encode(command))), None
         if not self._paced:
             self._efforts = None
-        publish_all(self._command_publishers, self._said[1])
+        publish_all(self._command_senders, self._said[1])
 
 
 def _numbers(raw: bytes) -> list[float]:

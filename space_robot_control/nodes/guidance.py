@@ -9,8 +9,9 @@ from space_robot_msgs_py.codec.codecs import ReferenceCodec, peek_stamp
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import ReferenceSource
 from space_robot_msgs_py.nodes.attitude import AttitudePublisher
-from space_robot_msgs_py.nodes.base import GraphNode, publish_all
+from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.nodes.offers import Offers
+from space_robot_msgs_py.nodes.sending import publish_all, sending
 from space_robot_msgs_py.topics import BASE_ODOM, REFERENCE_ATTITUDE
 
 
@@ -48,13 +49,14 @@ class GuidanceNode(GraphNode):
         self._codec = ReferenceCodec(joint_names)
         self._period, self._steps, self._ahead = period, steps, ahead
         self._next, self._reached, self._doubted = 0, -1, -1
-        self._reference_publishers = [self.publisher(topic) for topic in self._codec.topics]
+        publishers = [self.publisher(topic) for topic in self._codec.topics]
+        self._senders = [sending(publisher) for publisher in publishers]
         self._attitude = AttitudePublisher(self, REFERENCE_ATTITUDE)
         # The newest that are out, and the last tick whose reference a late node needs again.
         self._out: dict[int, Sequence[bytes]] = {}
         self._again_until = -1
         self._offers = Offers(self, self._waiting, lambda: self._say_again(self._reached), on_match=self._on_late_node)
-        self._offers.begin(self._reference_publishers)
+        self._offers.begin(publishers)
         self._publish_until(ahead)
         self.listen(BASE_ODOM, self._on_state)
 
@@ -103,13 +105,13 @@ class GuidanceNode(GraphNode):
     def _say_again(self, tick: int) -> None:
         """The reference of a tick, as it was."""
         if tick in self._out:
-            publish_all(self._reference_publishers, self._out[tick])
+            publish_all(self._senders, self._out[tick])
 
     def _publish_until(self, tick: int) -> None:
         while self._next <= min(tick, self._steps):
             desired = self._reference.at(self._next * self._period)
             parts = self._out[self._next] = self._codec.encode(desired)
-            publish_all(self._reference_publishers, parts)
+            publish_all(self._senders, parts)
             self._out.pop(self._next - 2 * (self._ahead + 1), None)
             self._attitude.show(desired.stamp, desired.q)
             self._next += 1

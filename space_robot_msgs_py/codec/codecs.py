@@ -13,14 +13,9 @@ from space_robot_msgs_py.codec.texts import (
     encode_string,
     peek_stamp,
 )
-from space_robot_msgs_py.codec.topic_bytes import (
-    LOGGED,
-    TickCodec,
-    TopicBytes,
-    encode_tick_housekeeping,
-    is_empty,
-    plant_events,
-)
+from space_robot_msgs_py.codec.tick_codec import TickCodec
+from space_robot_msgs_py.codec.tick_events import encode_tick_housekeeping, is_empty, plant_events
+from space_robot_msgs_py.codec.topic_bytes import LOGGED, TopicBytes
 from space_robot_msgs_py.codec.values import CommandCodec, ReferenceCodec, StateCodec
 from space_robot_msgs_py.codec.wheel_momentum import WheelMomentumCodec
 

@@ -154,18 +154,28 @@ class Layout:
         places = [f"%({name})b".encode() for name in names]
         return constants[0] + b"".join(map(bytes.__add__, places, constants[1:]))
 
+    def cut(self, raw: bytes) -> tuple[bytes, ...] | None:
+        """The bytes in the holes of a message that ``fill`` could have made, as nearly every one is; None: of another.
+
+        One call cuts the message, one comparison tells.
+        """
+        if len(raw) == self.size:
+            pieces = self._cut.unpack(raw)
+            if pieces[::2] == self._constants:
+                return pieces[1::2]
+        return None
+
     def blocks(self, raw: bytes) -> tuple[bytes, ...]:
         """The bytes in the holes of a message, in order; inverse of ``fill``.
 
         Raises:
             LayoutError: size, names, frames or sequence lengths differ (CommandError in the layout of a command).
         """
-        if len(raw) == self.size:
-            pieces = self._cut.unpack(raw)
-            if pieces[::2] == self._constants:
-                return pieces[1::2]
-        self._check(raw)
-        return tuple(raw[start:stop] for start, stop in self.holes)
+        blocks = self.cut(raw)
+        if blocks is None:
+            self._check(raw)
+            blocks = tuple(raw[start:stop] for start, stop in self.holes)
+        return blocks
 
     def encode(self, stamp: int, *arrays: Vector) -> bytes:
         """A stamped message with these float64 arrays in its holes."""
@@ -185,7 +195,7 @@ class Layout:
 
     def is_canonical(self, raw: bytes) -> bool:
         """True if ``fill`` could have made these bytes; the fast test that nearly every message passes."""
-        return len(raw) == self.size and self._cut.unpack(raw)[::2] == self._constants
+        return self.cut(raw) is not None
 
     def canonical(self, raw: bytes) -> bytes:
         """The same content with zero padding and nothing behind it.

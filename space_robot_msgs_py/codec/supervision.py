@@ -12,14 +12,15 @@ from space_robot_msgs_py.topics import SUPERVISOR_MODE
 
 NAME = "mode"
 KEYS = ("law", "reference", "since", "answer")
-# Behind them, where the brakes of the joints are closed; otherwise a message says nothing of brakes.
-CLOSED = ("brakes", "closed")
+# Behind them, in this order, where it is so: otherwise a message says nothing of brakes or wheels.
+FLAGS = (("brakes", "closed"), ("wheels", "unload"))
 NO_ANSWER = "none"
 # Header: representation, then the stamp.
 HEAD, BODY = 4, 12
 MAX_CACHED = 64
 
-_Content = tuple[str, str, str, int, int, bool]
+# The last two are the flags.
+_Content = tuple[str, str, str, int, int, bool, bool]
 
 
 class SupervisionCodec:
@@ -36,7 +37,7 @@ class SupervisionCodec:
             LayoutError: a text holds a NUL.
         """
         age = -1 if value.answer < 0 else value.stamp - value.answer
-        content = (value.mode, value.law, value.reference, value.since, age, value.brakes)
+        content = (value.mode, value.law, value.reference, value.since, age, value.brakes, value.unload)
         whole = self._encoded.get(content)
         if whole is None:
             if len(self._encoded) >= MAX_CACHED:
@@ -50,8 +51,9 @@ class SupervisionCodec:
         Raises:
             LayoutError: it is none.
         """
-        stamp, (mode, law, reference, since, age, brakes) = peek_stamp(raw), self._content(raw)
-        return Supervision(stamp, mode, law, reference, since, -1 if age < 0 else stamp - age, brakes=brakes)
+        stamp, (mode, law, reference, since, age, brakes, unload) = peek_stamp(raw), self._content(raw)
+        answer = -1 if age < 0 else stamp - age
+        return Supervision(stamp, mode, law, reference, since, answer, brakes=brakes, unload=unload)
 
     def canonical(self, raw: bytes) -> bytes:
         """The same message with zero padding and nothing behind it.
@@ -72,17 +74,19 @@ class SupervisionCodec:
 
 
 def _message(content: _Content) -> bytes:
-    mode, law, reference, since, age, brakes = content
+    mode, law, reference, since, age, *flags = content
     level = OK if (law, reference) == ("controller", "follow") else WARN
     texts = (law, reference, str(since), NO_ANSWER if age < 0 else str(age))
-    values = (*zip(KEYS, texts, strict=True), *([CLOSED] if brakes else []))
+    said = [flag for flag, on in zip(FLAGS, flags, strict=True) if on]
+    values = (*zip(KEYS, texts, strict=True), *said)
     return encode_statuses([DiagnosticEvent(0, level, NAME, mode, "", values)])
 
 
 def _read(raw: bytes) -> _Content:
     found = decode_statuses(raw)
-    brakes = found[0].values[-1:] == (CLOSED,)
-    values = dict(found[0].values[: -1 if brakes else None])
+    first, last = found[0].values[: len(KEYS)], found[0].values[len(KEYS) :]
+    flags = [flag in last for flag in FLAGS]
+    values = dict(first) if last == tuple(flag for flag in FLAGS if flag in last) else {}
     since, age = values.get("since", ""), values.get("answer", "")
     if len(found) != 1 or found[0].name != NAME or tuple(values) != KEYS or not since.isdecimal():
         accepted = f"one status {NAME} with {', '.join(KEYS)}"
@@ -95,5 +99,6 @@ def _read(raw: bytes) -> _Content:
         values["reference"],
         int(since),
         -1 if age == NO_ANSWER else int(age),
-        brakes,
+        flags[0],
+        flags[1],
     )

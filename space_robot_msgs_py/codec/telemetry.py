@@ -70,6 +70,9 @@ class TelemetryCodec:
 
     def read(self, raw: bytes) -> tuple[int, bytes]:
         """The stamp [ns] of a message, and the same message with zero padding and nothing behind it."""
+        known = None if self._last is None else self._last[1].cut(raw)
+        if known is not None:
+            return self._stamp(known[0]), raw
         layout = self.layout_of(raw)
         return self._stamp(layout.blocks(raw)[0]), layout.canonical(raw)
 
@@ -94,6 +97,9 @@ class TelemetryCodec:
         return self._layout(shape)
 
     def _blocks(self, raw: bytes) -> tuple[Shape, tuple[bytes, ...]]:
+        last = self._last
+        if last is not None and (known := last[1].cut(raw)) is not None:
+            return last[0], known
         shape, layout = self._find(raw)
         return shape, layout.blocks(raw)
 

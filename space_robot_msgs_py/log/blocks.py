@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from space_robot_msgs_py.codec.topic_bytes import TickCodec, diagnostics_of, events_of
+from space_robot_msgs_py.codec.tick_codec import TickCodec
+from space_robot_msgs_py.codec.tick_events import diagnostics_of, events_of
 from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import Tick

@@ -15,6 +15,7 @@ from mcap.records import Channel, Metadata
 from space_robot_msgs_py.errors import LogError
 from space_robot_msgs_py.log.directory import METADATA_FILE, TEMPORARY, metadata_yaml, recorded_topics
 from space_robot_msgs_py.log.mcap.index import write_indexed
+from space_robot_msgs_py.log.mcap.positions import Positions
 from space_robot_msgs_py.log.mcap.records import MAGIC, MESSAGE, PREFIX, metadata_bytes, parse, scan
 from space_robot_msgs_py.log.preamble import ALWAYS, CHANNELS, END_NAME, RECORDED
 from space_robot_msgs_py.log.run_directory import RunDirectory
@@ -31,12 +32,14 @@ class Written:
         counts: messages by topic name, for each topic with a channel.
         last: newest stamp [ns]; -1: none.
         ticks: stamps, the description apart.
+        positions: of the messages, where they were noted.
     """
 
     size: int = 0
     counts: dict[str, int] = field(default_factory=dict)
     last: int = -1
     ticks: int = 0
+    positions: Positions = field(default_factory=Positions)
 
 
 def write_all(stream: IO[bytes], data: bytes) -> None:
@@ -82,7 +85,7 @@ def finish_bag(
         with place.create(indexed) as outgoing:
             incoming = io.BufferedReader(stream)  # type: ignore[type-var]
             try:
-                write_indexed(incoming, outgoing, str(place.bag))
+                write_indexed(incoming, outgoing, str(place.bag), written.positions)
             finally:
                 incoming.detach()
         for source, target in temporaries.items():

@@ -12,8 +12,8 @@ from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
 from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.codec.telemetry import MAX_STAMP
 from space_robot_msgs_py.interfaces import Telemetry, Tick
-from space_robot_msgs_py.log.mcap.records import message_head_bytes
 from space_robot_msgs_py.log.preamble import CHANNELS
+from space_robot_msgs_py.log.row_form import NONE, TIMES, head_of
 from space_robot_msgs_py.topics import (
     BASE_IMU,
     BASE_ODOM,
@@ -41,8 +41,7 @@ _HOLES: dict[Topic, tuple[str, ...]] = {
     CONTROLLER_TELEMETRY: ("number", "controller"),
     PLANT_TELEMETRY: ("number", "plant"),
 }
-# Sequence number and both times of a record; opcode, length and channel stand before them.
-_TIMES, _DOUBLE = Struct("<IQQ"), Struct("<d")
+_DOUBLE = Struct("<d")
 Shape = tuple[tuple[str, ...], tuple[int, ...]]
 
 
@@ -55,6 +54,7 @@ class TickBlock:
 
     Attributes:
         names: of the topics of the records, in their order.
+        sizes: of the messages of ``LOGGED`` [bytes], or ``NONE``.
     """
 
     def __init__(self, codec: TickCodec, tick: Tick) -> None:
@@ -66,6 +66,7 @@ class TickBlock:
         self._joints = len(tick.sample.state.effort)
         topics = [topic for topic in LOGGED if topic in _HOLES]
         self.names = tuple(topic.name for topic in topics)
+        self.sizes = tuple([layouts[topic].size if topic in _HOLES else NONE for topic in LOGGED])
         self._pattern = b"".join(_record(topic, layouts[topic]) for topic in topics)
 
     def fits(self, tick: Tick) -> bool:
@@ -88,7 +89,7 @@ class TickBlock:
             sequence: number of the message, on each of the topics.
         """
         pieces = _pieces(tick)
-        pieces[b"times"] = _TIMES.pack(sequence, tick.stamp, tick.stamp)
+        pieces[b"times"] = TIMES.pack(sequence, tick.stamp, tick.stamp)
         return self._pattern % pieces
 
 
@@ -132,5 +133,5 @@ def _shape(telemetry: Telemetry) -> Shape:
 
 
 def _record(topic: Topic, layout: Layout) -> bytes:
-    head = message_head_bytes(CHANNELS[topic.name], 0, 0, layout.size)[: -_TIMES.size]
+    head = head_of(CHANNELS[topic.name], layout.size)
     return head.replace(b"%", b"%%") + b"%(times)b" + layout.pattern(_HOLES[topic])

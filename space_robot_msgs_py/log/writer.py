@@ -14,20 +14,23 @@ from space_robot_msgs_py.interfaces import PlantSample, Reference, Supervision, 
 from space_robot_msgs_py.log.arrays import LogArrays, arrays_of
 from space_robot_msgs_py.log.closing import Written, append_end, finish_bag, write_all
 from space_robot_msgs_py.log.header import LogHeader
-from space_robot_msgs_py.log.mcap.records import message_bytes, message_head_bytes
+from space_robot_msgs_py.log.mcap.positions import Shape
+from space_robot_msgs_py.log.mcap.records import message_bytes
 from space_robot_msgs_py.log.preamble import CHANNELS, channels_of, preamble
+from space_robot_msgs_py.log.row_form import NONE, Rows, sizes_of
 from space_robot_msgs_py.log.run_directory import RunDirectory, WatchedFile
 from space_robot_msgs_py.log.tick_block import TickBlock, ordinary
 from space_robot_msgs_py.paths import StrPath
 from space_robot_msgs_py.topics import BASE_ODOM, JOINT_STATES, ROBOT_DESCRIPTION, TF, TF_STATIC, Topic
 from space_robot_msgs_py.transforms import FrameTransforms
 
-_IDS = tuple(CHANNELS[topic.name] for topic in LOGGED)
 _BASE, _JOINTS = LOGGED.index(BASE_ODOM), LOGGED.index(JOINT_STATES)
-_NAMES = tuple(topic.name for topic in LOGGED)
 # The angles of the measured attitude, then those of the desired one.
 _ANGLES = tuple((AttitudeAngles(topic), LOGGED.index(source)) for topic, (source, _) in SOURCES.items())
-_DERIVED = tuple((topic.name, CHANNELS[topic.name]) for topic in (TF, *SOURCES))
+# The columns of a row: what a tick consists of, then what follows from it.
+_NAMES = tuple(topic.name for topic in (*LOGGED, TF, *SOURCES))
+_IDS = tuple(CHANNELS[name] for name in _NAMES)
+_NO_MESSAGES = (NONE,) * len(LOGGED)
 
 
 class LogWriter:
@@ -61,21 +64,25 @@ class LogWriter:
         self._place = directory if isinstance(directory, RunDirectory) else RunDirectory(Path(directory))
         self.path = self._place.bag
         self._written = Written(counts={topic.name: 0 for topic in channels_of(header)})
+        self._rows = Rows(_NAMES, _IDS, self._written.counts, str(self.path))
         self._stream: IO[bytes] | None = None
         with self._guarded():
             self._place.clear()
             self._stream = self._place.create(self.path.name, buffering=0)
             self._watched = WatchedFile(self.path, self._stream)
-        self._append(preamble(header))
+        self._append(0, preamble(header), None)
 
     def write_description(self, urdf: str) -> None:
         """Write ``robot_description`` and ``/tf_static`` at stamp 0, before the first tick."""
         if self._written.ticks or self._written.counts[ROBOT_DESCRIPTION.name]:
             raise LogError("the description is the first message and the only one of its kind", key=str(self.path))
-        records = [self._record(ROBOT_DESCRIPTION, 0, encode_string(urdf))]
+        messages = {ROBOT_DESCRIPTION: encode_string(urdf)}
         if self._frames.static is not None:
-            records.append(self._record(TF_STATIC, 0, self._frames.static))
-        self._append(b"".join(records))
+            messages[TF_STATIC] = self._frames.static
+        self._rows.count([topic.name for topic in messages])
+        records = [message_bytes(CHANNELS[topic.name], 0, 0, data) for topic, data in messages.items()]
+        shape = Shape([(CHANNELS[topic.name], len(data)) for topic, data in messages.items()])
+        self._append(0, b"".join(records), shape)
 
     def write_tick(self, stamp: int, parts: Mapping[Topic, bytes]) -> None:
         """Write the messages of one stamp in table order; topics may be absent.
@@ -97,16 +104,11 @@ class LogWriter:
     def write_row(self, stamp: int, row: Sequence[bytes | None]) -> None:
         """Write the messages of one stamp, given in the order of ``LOGGED``; None where there is none."""
         self._check_order(stamp)
-        counts, records = self._written.counts, list[bytes]()
-        for name, channel, data in zip(_NAMES, _IDS, row, strict=True):
-            if data is not None:
-                if name not in counts:
-                    raise LogError("its header names no such topic", key=str(self.path), value=name)
-                records += message_head_bytes(channel, counts[name], stamp, len(data)), data
-                counts[name] += 1
         derived = [self._frames.from_messages(row[_BASE], row[_JOINTS])]
         derived += [angles.of(row[source]) for angles, source in _ANGLES]
-        self._write(stamp, records, derived)
+        row = [*row, *derived]
+        form = self._rows.form(sizes_of(row))
+        self._write(stamp, self._rows.records(stamp, row, form), form.shape)
 
     def write_block(self, block: TickBlock, tick: Tick) -> bool:
         """Write a tick that fits a block, with the bytes of ``write_row``; False: its topics have not kept step."""
@@ -116,13 +118,15 @@ class LogWriter:
         if sequences.count(sequence) < len(sequences):
             return False
         self._check_order(tick.stamp)
-        records = [block.records(tick, sequence)]
-        for name in block.names:
-            counts[name] = sequence + 1
         poses = tick.sample.state.q, tick.reference.q
         derived = [self._frames.of(tick.sample.state)]
         derived += [angles.at(tick.stamp, q[3:7]) for (angles, _), q in zip(_ANGLES, poses, strict=True)]
-        self._write(tick.stamp, records, derived)
+        sizes = sizes_of(derived)
+        form, behind = self._rows.form(block.sizes + sizes), self._rows.form(_NO_MESSAGES + sizes)
+        records = block.records(tick, sequence)
+        self._rows.count(block.names)
+        records += self._rows.records(tick.stamp, [None] * len(LOGGED) + derived, behind)
+        self._write(tick.stamp, records, form.shape)
         return True
 
     def close(self, reason: str) -> None:
@@ -151,28 +155,23 @@ class LogWriter:
                 "time does not go on", key=str(self.path), value=stamp, accepted=f"more than {self._written.last} ns"
             )
 
-    def _write(self, stamp: int, records: list[bytes], derived: Sequence[bytes | None]) -> None:
-        """Append records, and what follows from them, in the order of ``_DERIVED``."""
-        counts = self._written.counts
-        for (name, channel), data in zip(_DERIVED, derived, strict=True):
-            if data is not None:
-                records += message_head_bytes(channel, counts[name], stamp, len(data)), data
-                counts[name] += 1
-        self._append(b"".join(records))
+    def _write(self, stamp: int, records: bytes, shape: Shape) -> None:
+        """Append the records of a tick."""
+        self._append(stamp, records, shape)
         self._written.last = stamp
         self._written.ticks += 1
 
-    def _record(self, topic: Topic, stamp: int, data: bytes) -> bytes:
-        sequence = self._written.counts[topic.name]
-        self._written.counts[topic.name] += 1
-        return message_bytes(CHANNELS[topic.name], sequence, stamp, data)
-
-    def _append(self, data: bytes) -> None:
+    def _append(self, stamp: int, data: bytes, shape: Shape | None) -> None:
+        """Append records: of messages of one stamp [ns], or None: others."""
         if self._stream is None:
             raise LogError("the log is closed", key=str(self.path))
-        with self._guarded():
+        try:
             write_all(self._stream, data)
             self._watched.check()
+        except OSError as error:
+            raise self._refused(error) from None
+        if shape is not None:
+            self._written.positions.add(self._written.size, stamp, shape)
         self._written.size += len(data)
 
     @contextmanager
@@ -181,14 +180,18 @@ class LogWriter:
         try:
             yield
         except OSError as error:
-            refusal = error
-            if not isinstance(error, LogError):
-                refusal = LogError(f"the log cannot be written: {error.strerror or error}", key=str(self.path))
-            if self._stream is not None and self._written.size:
-                with suppress(OSError):
-                    append_end(self._stream, self._written, f"recorder: {refusal}")
-            self._release()
-            raise refusal from None
+            raise self._refused(error) from None
+
+    def _refused(self, error: OSError) -> OSError:
+        """Close the log for good, with the reason in it where that still fits; returns the error to raise."""
+        refusal = error
+        if not isinstance(error, LogError):
+            refusal = LogError(f"the log cannot be written: {error.strerror or error}", key=str(self.path))
+        if self._stream is not None and self._written.size:
+            with suppress(OSError):
+                append_end(self._stream, self._written, f"recorder: {refusal}")
+        self._release()
+        return refusal
 
     def _release(self) -> None:
         stream, self._stream = self._stream, None

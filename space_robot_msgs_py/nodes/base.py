@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable
 from time import monotonic
 from typing import Any
 
@@ -285,9 +285,3 @@ class GraphNode(Node):  # type: ignore[misc]
 def full_name(endpoint: TopicEndpointInfo) -> str:
     """Name and namespace of the node that an endpoint belongs to."""
     return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
-
-
-def publish_all(publishers: Sequence[Publisher], parts: Sequence[bytes]) -> None:
-    """Publish the parts of one value, each on its topic."""
-    for publisher, part in zip(publishers, parts, strict=True):
-        publisher.publish(part)

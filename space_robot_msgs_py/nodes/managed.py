@@ -46,6 +46,10 @@ class ManagedNode(GraphNode, LifecycleNodeMixin):  # type: ignore[misc]
         """What there is of publishers, subscriptions, services and timers now stays through every cleanup."""
         self._permanent = {id(handle) for handle in self._handles()}
 
+    def keep_too(self, *handles: Any) -> None:
+        """These stay through every cleanup as well, though they were made later."""
+        self._permanent |= {id(handle) for handle in handles}
+
     @abstractmethod
     def configure(self) -> None:
         """Build everything; nothing is published but what is latched."""

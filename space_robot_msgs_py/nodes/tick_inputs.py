@@ -82,8 +82,7 @@ class TickInputs:
         def on_part(raw: bytes) -> None:
             try:
                 # Checked alone: a part that does not fit must not take those of its stamp down with it.
-                codec.peek(part, raw)
-                stamp, blocks = codec.decode_part(part, raw)
+                stamp, blocks = codec.hear_part(part, raw)
             except SpaceRobotError as error:
                 self._node.refuse(topic, error)
                 return

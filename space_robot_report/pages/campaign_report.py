@@ -63,7 +63,7 @@ def campaign_page(campaign: Campaign, rows: Sequence[Columns], versions: Mapping
     for row in rows:
         points.setdefault(row["index"] % campaign.points, []).append(row)
     labels = {at: campaign.point(at).labels for at in sorted(points)}
-    groups = [summarise(points[at], labels[at], metrics_of(points[at]), campaign.seed) for at in labels]
+    groups = [summarise(points[at], labels[at], metrics_of(points[at])) for at in labels]
     named = {describe(labels[at]) or "all runs": points[at] for at in labels}
     checks = judge_groups(campaign, groups)
     content = {

@@ -150,8 +150,8 @@ class CommandPort:
         return self._senders.get(mark, "")
 
     def _in_time(self, stamp: int, topic: Topic, raw: bytes, mark: bytes) -> bool:
-        if self._turns is not None and not self._turns.admits(self._sender(mark)):
-            self._refuse("out of turn", topic, f"it is the turn of {self._turns.acting}", mark)
+        if self._turns is not None and (why := self._turns.refusal(self._sender(mark), stamp)):
+            self._refuse("out of turn", topic, why, mark)
             return False
         if stamp == self._awaited and not self.answered:
             return True
@@ -177,7 +177,7 @@ class CommandPort:
             return
         raws = tuple([raw for raw, _ in parts])
         if self._awaited - stamp > self._keep_late:
-            self.accepted.add_too_late(command, raws)
+            self.accepted.add_too_late(command, raws, self._awaited)
             why = f"stamp {stamp} ns is too old for the state at {self._awaited} ns"
             self._refuse("stale", self._codec.topics[0], why, mark)
             return

@@ -66,6 +66,7 @@ class SimulatorHealth:
         self._diagnostics = Diagnostics(node, "plant")
         self._seen_tick, self._silent_since = -1, self._clock.now()
         self._ran = self._saturated = 0
+        self._labels, self._place = tuple[str, ...](), slice(0)
         self._counts, self._refusals = RecentCounts(), RecentCounts()
         self._warned, self._said = False, set[str]()
         self._timer = node.create_timer(DIAGNOSTICS_PERIOD, self._on_timer, clock=self._clock)
@@ -73,7 +74,12 @@ class SimulatorHealth:
     def count(self, sample: PlantSample) -> None:
         """Count a period that was run."""
         self._ran += 1
-        self._saturated += bool(sample.telemetry["saturation"].any())
+        telemetry = sample.telemetry
+        if telemetry.labels is not self._labels:
+            index = telemetry.labels.index("saturation")
+            start = sum(telemetry.sizes[:index])
+            self._labels, self._place = telemetry.labels, slice(start, start + telemetry.sizes[index])
+        self._saturated += any(telemetry.data[self._place].tolist())
 
     def _on_timer(self) -> None:
         status = self._status()

@@ -7,23 +7,14 @@ from typing import Any
 
 from rclpy.subscription import Subscription
 
-from space_robot_msgs_py.codec.codecs import (
-    LOGGED,
-    Accepted,
-    AcceptedCodec,
-    CommandCodec,
-    TopicBytes,
-    decode_string,
-    peek_stamp,
-    says_none,
-)
-from space_robot_msgs_py.codec.sender_mark import SenderMark
+from space_robot_msgs_py.codec.codecs import LOGGED, Accepted, AcceptedCodec, CommandCodec, decode_string
 from space_robot_msgs_py.errors import LayoutError, LogError, SpaceRobotError
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import ACCEPTED_COMMAND, ROBOT_DESCRIPTION, Topic
 from space_robot_sim.nodes.attendance import Attendance
 from space_robot_sim.nodes.credit import AHEAD_IN_ONE_PROCESS, CreditGiver
 from space_robot_sim.nodes.left_out import LeftOut
+from space_robot_sim.nodes.message_readers import MessageReaders, Reader
 from space_robot_sim.nodes.tick_parts import ANSWERS, COMMANDS, TickParts
 from space_robot_sim.nodes.tick_writer import TickLog, TickWriter
 
@@ -75,14 +66,13 @@ class RecorderNode(GraphNode):
         self._parts = TickParts(period, steps, paced=not lossless)
         self.lossless = lossless
         self._urdf: str | None = None
-        self._canonical = TopicBytes(joint_names)
         self.closed, self._stood = False, -1
         self.heard = self.gaps = 0
         self._commands, self._accepted = CommandCodec(joint_names), AcceptedCodec()
-        self._marks = SenderMark(self._commands.layouts)
+        readers = MessageReaders(joint_names)
         self.listen(ROBOT_DESCRIPTION, self._on_description)
         heard = [topic for topic in LOGGED if not topic.optional or topic in optional]
-        listeners = {topic: self._listen_recorded(topic) for topic in heard}
+        listeners = {topic: self._listen_recorded(topic, readers.of(topic)) for topic in heard}
         self._parts.expected |= frozenset(optional)
         self._parts.sample |= {topic for topic in optional if topic.kind == "state"}
         # Of the handles themselves: they are asked at every tick.
@@ -158,28 +148,21 @@ class RecorderNode(GraphNode):
             self._parts.contested = False
         self._give_credit()
 
-    def _listen_recorded(self, topic: Topic) -> Subscription:
-        part = self._commands.topics.index(topic) if topic in COMMANDS else None
+    def _listen_recorded(self, topic: Topic, read: Reader) -> Subscription:
+        commands = topic in COMMANDS
 
         def on_message(raw: bytes) -> None:
             self.heard += 1
-            if self.closed or (part is not None and self._parts.contested):
+            if self.closed or (commands and self._parts.contested):
                 return
             try:
-                if part is not None:
-                    raw = self._marks.remove(part, raw)
-                stamp, data = self._read(topic, raw)
+                stamp, data = read(raw)
             except SpaceRobotError as error:
                 self.refuse(topic, error)
                 return
             self._take_in(topic, stamp, data)
 
         return self.listen(topic, on_message)
-
-    def _read(self, topic: Topic, raw: bytes) -> tuple[int, bytes]:
-        if topic.optional and says_none(raw):
-            return peek_stamp(raw), raw
-        return self._canonical.read(topic, raw)
 
     def _on_accepted(self, raw: bytes) -> None:
         """What the simulator took: in a paced run, and once the command topics are contested."""

@@ -7,33 +7,22 @@ from dataclasses import replace
 from typing import Any, cast
 from uuid import uuid4
 
-from rclpy.publisher import Publisher
-
-from space_robot_msgs_py.codec.codecs import (
-    StateCodec,
-    TelemetryCodec,
-    WheelMomentumCodec,
-    encode_clock,
-    encode_string,
-    encode_tick_statuses,
-    plant_events,
-)
+from space_robot_msgs_py.codec.codecs import encode_string
 from space_robot_msgs_py.errors import CommandError
-from space_robot_msgs_py.interfaces import BrakedPlant, Command, Plant, PlantSample
-from space_robot_msgs_py.nodes.base import publish_all
+from space_robot_msgs_py.interfaces import Command, Plant, PlantSample, SupervisedPlant
 from space_robot_msgs_py.nodes.managed import ManagedNode
 from space_robot_msgs_py.nodes.offers import Offers
-from space_robot_msgs_py.qos import qos_of_states
+from space_robot_msgs_py.qos import Qos, qos_of_states
 from space_robot_msgs_py.run_messages import RunBegin, encode_begin
-from space_robot_msgs_py.topics import CLOCK, PLANT_TELEMETRY, RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
-from space_robot_sim.nodes.brake_port import BrakePort
+from space_robot_msgs_py.topics import RECORDER_CREDIT, ROBOT_DESCRIPTION, RUN_BEGIN, Topic
 from space_robot_sim.nodes.command_port import REPEATED, CommandPort
 from space_robot_sim.nodes.credit import Credit
 from space_robot_sim.nodes.health import SimulatorHealth, SimulatorStatus
+from space_robot_sim.nodes.mode_port import ModePort
 from space_robot_sim.nodes.pacing import REALTIME, Pacer, checked_factor, realtime_row
+from space_robot_sim.nodes.sample_publishers import SamplePublishers
 from space_robot_sim.nodes.services import STEP_COUNT, RunServices, StepGate, checked_count, step_count_row
 from space_robot_sim.nodes.tick_parts import MAX_LATE
-from space_robot_sim.nodes.transforms import TransformPublisher
 from space_robot_sim.nodes.turns import Turns
 
 
@@ -60,7 +49,7 @@ class SimulatorNode(ManagedNode):
         realtime: simulated seconds per second of the steady clock; None: lock-step.
         recorded: a recorder takes part and gives credit.
         optional: the optional topics of this run, for the events of the plant and the momentum of the wheels.
-        braked: a supervisor may close the brakes of the joints: in lock-step the plant waits for its mode, too.
+        obeys: modes of a supervisor act on the plant (brakes, unloading): in lock-step it waits for them, too.
         ahead: so many states the run may be ahead of its recorder in lock-step.
         patience: lock-step ends with an error when the awaited command takes longer than this [s].
         step_count: so many periods ``~/step`` grants, a dynamic parameter.
@@ -80,7 +69,7 @@ class SimulatorNode(ManagedNode):
         realtime: float | None = None,
         recorded: bool = True,
         optional: Collection[Topic] = (),
-        braked: bool = False,
+        obeys: bool = False,
         ahead: int = 0,
         patience: float = 60.0,
         step_count: int = 1,
@@ -93,8 +82,6 @@ class SimulatorNode(ManagedNode):
         self._period, self._steps, self._patience = period, steps, patience
         self._realtime, self._recorded = None if realtime is None else checked_factor(realtime), recorded
         self._optional, self._ahead = optional, ahead
-        self._states, self._wheels = StateCodec(joint_names), WheelMomentumCodec()
-        self._telemetry = TelemetryCodec(PLANT_TELEMETRY)
         self.tick = 0
         self.sample: PlantSample | None = None
         self.started = False
@@ -106,12 +93,12 @@ class SimulatorNode(ManagedNode):
         self._begin_publisher = self.publisher(RUN_BEGIN)
         self._credit = Credit(self)
         keep_late = 0 if realtime is None else MAX_LATE
-        limits: dict[str, Any] = {"keep_late": keep_late, "turns": Turns(failover) if failover else None}
+        limits: dict[str, Any] = {"keep_late": keep_late, "turns": Turns(failover, period) if failover else None}
         self.commands = CommandPort(self, joint_names, self._on_answer, period=period, **limits)
         if recorded:
             self.listen(RECORDER_CREDIT, self._on_credit)
-        self._brakes = BrakePort(self, self._on_answer, lossless=realtime is None) if braked else None
-        readers = [] if self._brakes is None else self._brakes.readers
+        self._modes = ModePort(self, self._on_answer, lossless=realtime is None) if obeys else None
+        readers = [] if self._modes is None else self._modes.readers
         self._offers = Offers(self, self._waiting, self._say_again, [*self.commands.readers, *readers])
         self.keep()
 
@@ -121,15 +108,9 @@ class SimulatorNode(ManagedNode):
         self._gate = StepGate()
         self.commands.counts.clear()
         self._set_back(self._plant.reset())
-        measured = [one for one in self._optional if one.kind == "state"]
-        # The part that only some runs have comes first: a stranger's, sent ahead of time, is replaced before the rest.
-        self._state_publishers = [self._publisher(topic) for topic in (*measured, *self._states.topics)]
-        self._telemetry_publisher = self._publisher(PLANT_TELEMETRY)
-        self._event_publishers = {one: self._publisher(one) for one in self._optional if one.kind == "plant_event"}
-        self._clock_publisher = self.publisher(CLOCK)
+        self._samples = SamplePublishers(self, self._joint_names, self._urdf, self._optional, self._offer)
         self._description_publisher = self.publisher(ROBOT_DESCRIPTION)
         self._description_publisher.publish(encode_string(self._urdf))
-        self._transforms = TransformPublisher(self, self._urdf, self._joint_names)
         self.pacer = Pacer(self, self._period / self._realtime, self._on_period) if self._realtime else None
         self.parameters.declare([realtime_row(self._realtime), step_count_row(self._step_count)])
         self._steering = RunServices(self, lambda: self._step_count)
@@ -214,7 +195,7 @@ class SimulatorNode(ManagedNode):
         counts = self.commands.counts
         self.commands.accepted.look()
         unrecorded = self.started and self._outruns_recorder() and self.commands.answered
-        matched = [*self.commands.readers, *self._state_publishers, self._telemetry_publisher]
+        matched = [*self.commands.readers, *self._samples.awaited]
         return SimulatorStatus(
             self.tick, self.stamp, self._period, self.started, standing, unrecorded, self.sample, counts, matched
         )
@@ -227,8 +208,8 @@ class SimulatorNode(ManagedNode):
             self._credit.restart()
         self.sample, self.tick, self.started = sample, 0, False
         self.commands.restart()
-        if self._brakes is not None:
-            self._brakes.restart()
+        if self._modes is not None:
+            self._modes.restart()
         self._begin_publisher.publish(encode_begin(self._run))
 
     def _on_credit(self, raw: bytes) -> None:
@@ -236,14 +217,14 @@ class SimulatorNode(ManagedNode):
             self._start()
             self._on_answer()
 
-    def _publisher(self, topic: Topic) -> Publisher:
-        return self.publisher(topic, qos_of_states(topic, paced=self._realtime is not None, ahead=self._ahead))
+    def _offer(self, topic: Topic) -> Qos:
+        return qos_of_states(topic, paced=self._realtime is not None, ahead=self._ahead)
 
     def _start(self) -> None:
         if self.active and not self.started and self.sample is not None and (self._credit.given or not self._recorded):
             if self.pacer is not None:
                 self.pacer.restart()
-            self._offers.begin([*self._state_publishers, self._telemetry_publisher])
+            self._offers.begin(self._samples.awaited)
             self._show(self.sample)
 
     def _waiting(self) -> int | None:
@@ -255,28 +236,16 @@ class SimulatorNode(ManagedNode):
 
     def _show(self, sample: PlantSample) -> None:
         self.sample, self.started = sample, True
-        self._say(sample)
-        self._clock_publisher.publish(encode_clock(sample.state.stamp))
-        self._transforms.show(sample.state)
+        self._samples.show(sample)
 
     def _say_again(self) -> None:
         if self.sample is not None:
-            self._say(self.sample)
-
-    def _say(self, sample: PlantSample) -> None:
-        if self._event_publishers:
-            # At every tick: topics have no order among each other, and the recorder waits for what it expects only.
-            events = dict(plant_events(sample))
-            for topic, publisher in self._event_publishers.items():
-                publisher.publish(encode_tick_statuses(sample.state.stamp, events.get(topic, ())))
-        wheels, parts = self._wheels.of(sample.state), self._states.encode(sample.state)
-        publish_all(self._state_publishers, parts if wheels is None else (wheels, *parts))
-        self._telemetry_publisher.publish(self._telemetry.encode(sample.telemetry)[0])
+            self._samples.say(self.sample)
 
     @property
     def _answered(self) -> bool:
         """All that is known before the plant runs on is here."""
-        return self.commands.answered and (self._brakes is None or self._brakes.knows(self.stamp))
+        return self.commands.answered and (self._modes is None or self._modes.knows(self.stamp))
 
     def _on_answer(self) -> None:
         """Lock-step: go on as far as answers and pause allow."""
@@ -306,12 +275,15 @@ class SimulatorNode(ManagedNode):
             self._say_what_was_refused()
             self.end("completed")
             return
-        if self._brakes is not None:
-            cast(BrakedPlant, self._plant).close_brakes(self._brakes.closed)
+        if self._modes is not None:
+            plant = cast(SupervisedPlant, self._plant)
+            plant.close_brakes(self._modes.closed)
+            plant.unload_wheels(self._modes.unloads)
         sample = self._plant.step(command)
         self.tick += 1
         self._health.count(sample)
-        self.commands.counts.update(event.name for event in sample.events)
+        for event in sample.events:
+            self.commands.counts[event.name] += 1
         self.commands.expect(self.stamp)
         self._show(sample)
         self.on_tick(self.tick)

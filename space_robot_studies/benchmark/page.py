@@ -56,13 +56,14 @@ HEADINGS = (
 
 
 def brief_of(table: Table, titles: Mapping[str, str]) -> str:
-    """The first point of a table in a few columns.
+    """The point that was entered first in a few columns.
 
     Args:
         table: rows under the same rules.
         titles: task to its title.
     """
-    rows = points_of(table, table.rows[0]["task"])[0]
+    task, point = table.rows[0]["task"], table.rows[0]["point"]
+    rows = next(rows for rows in points_of(table, task) if rows[0]["point"] == point)
     where = ", ".join(part for part in (titles[rows[0]["task"]], words(rows[0]["point"])) if part)
     heads = ("law", "settled as shipped", "settled tuned", "joint error, shipped [deg]", "joint error, tuned [deg]")
     cells = [[*cells_of([row])[0][:1], *cells_of([row])[0][3:5], *_errors(row)] for row in rows]

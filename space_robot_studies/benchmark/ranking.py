@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from space_robot_msgs_py.interfaces import Vector
 from space_robot_studies.reproduce.estimate import Estimate, bootstrap
 
 LEVEL = 0.05
@@ -75,20 +76,55 @@ def rank(standings: Sequence[Standing]) -> Ranking:
     if not whole:
         return Ranking(None, failed=failed)
     best, *others = sorted(whole, key=lambda one: (float(np.mean(_values(one))), one.law))
-    tests = sorted(((_p_value(_values(one) - _values(best)), one) for one in others), key=lambda t: (t[0], t[1].law))
-    worse: dict[str, Estimate] = {}
-    for place, (p, one) in enumerate(tests):
-        difference = bootstrap(_values(one) - _values(best), np.mean)
-        # Holm: the first that is not rejected ends the list.
-        if p * (len(tests) - place) > LEVEL:
-            break
-        if difference.low > 0.0:
-            worse[one.law] = difference
+    found = compared({one.law: _values(one) - _values(best) for one in others})
+    worse = {law: one.mean for law, one in found.items() if one.apart and one.mean.low > 0.0}
     equal = tuple(one.law for one in others if one.law not in worse)
     return Ranking(best.law, equal, worse, failed)
 
 
-def _values(one: Standing) -> Any:
+class Difference(NamedTuple):
+    """Of pairs.
+
+    Attributes:
+        mean: of the differences with its 95 % interval.
+        apart: the paired test and the interval both separate it from zero.
+    """
+
+    mean: Estimate
+    apart: bool
+
+
+def compared(pairs: Mapping[str, Vector]) -> dict[str, Difference]:
+    """Which of some differences are none of chance, at 5 % for all of them together.
+
+    Args:
+        pairs: name to a difference per pair.
+
+    Returns:
+        Name to its difference, the surest first.
+    """
+    tests = sorted((_p_value(differences), name) for name, differences in pairs.items())
+    found: dict[str, Difference] = {}
+    rejected = True
+    for place, (p, name) in enumerate(tests):
+        # Holm: the first that is not rejected ends the list.
+        rejected = rejected and p * (len(tests) - place) <= LEVEL
+        mean = bootstrap(pairs[name], np.mean)
+        found[name] = Difference(mean, rejected and not mean.low <= 0.0 <= mean.high)
+    return found
+
+
+def differences(worse: Standing, better: Standing) -> Vector | None:
+    """Objective of one less that of the other, draw by draw; None where a run did not complete or misses a constraint.
+
+    Args:
+        worse: on the same draws as
+        better: this one.
+    """
+    return _values(worse) - _values(better) if worse.whole and better.whole else None
+
+
+def _values(one: Standing) -> Vector:
     return np.array(one.objectives, dtype=np.float64)
 
 

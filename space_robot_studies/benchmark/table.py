@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.compose.composition import versions
+from space_robot_bringup.compose.versions import versions
 from space_robot_control.laws.registry import law_class
 from space_robot_control.laws.source import source_of
 from space_robot_msgs_py.atomic_file import write_atomically
@@ -24,6 +24,7 @@ from space_robot_studies.tune.spec import Tuning
 ARRIVING = ("step", "quintic", "waypoints", "end_effector")
 KEPT = ("objective", "end_reason", "excess", *METRICS)
 MAX_BYTES = 100_000_000
+SIDES = ("shipped", "tuned")
 FORM = ("law", "task", "point", "settles", "overfitted", "shipped", "tuned")
 
 
@@ -50,9 +51,14 @@ class Table:
         Raises:
             LogError: it cannot be written.
         """
-        data = {**self.identity, "rows": list(self.rows)}
+        head = json.dumps(dict(self.identity), indent=1).removesuffix("\n}")
+        rows = ",\n".join(json.dumps(_stored(row), allow_nan=False) for row in self.rows)
         with guarded(path.parent):
-            write_atomically(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
+            write_atomically(path, f'{head},\n "rows": [\n{rows}\n]}}\n')
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, as in the file: of the draws a list per number."""
+        return {**self.identity, "rows": [_stored(row) for row in self.rows]}
 
 
 def key_of(row: Mapping[str, Any]) -> tuple[str, str, str]:
@@ -76,7 +82,7 @@ def read_table(path: Path, benchmark: Benchmark) -> Table:
         text = path.read_text(encoding="utf-8")
     try:
         data = json.loads(text)
-        rows = tuple(data.pop("rows"))
+        rows = tuple(_loaded(row) for row in data.pop("rows"))
         complete = all(set(FORM) <= row.keys() for row in rows)
     except (ValueError, KeyError, TypeError, AttributeError):
         complete = False
@@ -127,6 +133,21 @@ def row_of(task: str, tuning: Tuning, stand: StandResult) -> dict[str, Any]:
         "tuned": _draws(stand.held_out_best),
         "versions": versions(),
     }
+
+
+def _stored(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row as it is written: one list per number of the draws, a third of the length of the draws one by one."""
+    return {**row, **{side: {name: [draw[name] for draw in row[side]] for name in KEPT} for side in SIDES}}
+
+
+def _loaded(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row as it was before it was written."""
+    return {**row, **{side: _unstacked(row[side]) for side in SIDES}}
+
+
+def _unstacked(numbers: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    stacked = [numbers[name] for name in KEPT]
+    return [dict(zip(KEPT, draw, strict=True)) for draw in zip(*stacked, strict=True)]
 
 
 def _ranges(stand: StandResult) -> dict[str, Any]:

@@ -10,7 +10,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, get_args
 
-from space_robot_bringup.compose.composition import Composition, versions
+from space_robot_bringup.compose.composition import Composition
+from space_robot_bringup.compose.versions import versions
 from space_robot_bringup.judge.check import Check
 from space_robot_bringup.judge.conclusion import FAIL, conclusion, passed
 from space_robot_bringup.judge.metrics import PER_AXIS, metric_names
@@ -45,8 +46,8 @@ if TYPE_CHECKING:
 
 GROUPING: Grouping[CaseResult] = Grouping(lambda task: kind_of_case(task.arguments[0]), run_cases)
 TABLE, SUMMARY = "table.parquet", "summary.json"
-# What table and summary are made with, at the very end.
-NEEDED = ("pyarrow", "scipy")
+# What the table is made with, at the very end.
+NEEDED = ("pyarrow",)
 
 
 @dataclass(frozen=True, slots=True, weakref_slot=True)
@@ -211,7 +212,7 @@ class CheckedCampaign:
         campaign = self.campaign
         rows = [journal.rows[index].columns for index in range(campaign.cases)]
         groups = tuple(
-            summarise(rows[at :: campaign.points], campaign.point(at).labels, self.metrics, campaign.seed)
+            summarise(rows[at :: campaign.points], campaign.point(at).labels, self.metrics)
             for at in range(campaign.points)
         )
         metadata = {"campaign": to_yaml(campaign), "versions": json.dumps(versions(), sort_keys=True)}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -11,16 +10,15 @@ from typing import Any
 import numpy as np
 
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_studies.intervals import resampled, wilson
 
-CONFIDENCE = 0.95
-RESAMPLES = 2000
 STATISTICS = ("mean", "mean_low", "mean_high", "median", "p05", "p95", "min", "max")
 RATES = ("success_rate", "completed_rate")
 
 
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """A share of the runs with its Clopper-Pearson interval (exact: it covers at least what it says).
+    """A share of the runs with its interval, see ``wilson``.
 
     Attributes:
         count: runs that did.
@@ -39,11 +37,7 @@ class Rate:
     @classmethod
     def of(cls, count: int, n: int) -> Rate:
         """The rate of ``count`` in ``n`` runs."""
-        # Only here: SciPy takes a second to load.
-        from scipy import stats
-
-        interval = stats.binomtest(count, n).proportion_ci(CONFIDENCE, method="exact")
-        return cls(count, n, count / n, float(interval.low), float(interval.high))
+        return cls(count, n, count / n, *wilson(count, n))
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +47,7 @@ class Spread:
     Attributes:
         n: runs that have the number.
         missing: completed runs that have none (an axis that never settled).
-        mean: with its 95 % bootstrap interval (BCa) ``mean_low`` to ``mean_high``; a point where nothing spreads.
+        mean: with its 95 % interval ``mean_low`` to ``mean_high``, see ``resampled``; a point where nothing spreads.
         median: with the 5 % and 95 % quantiles ``p05`` and ``p95``.
         min: smallest.
         max: largest.
@@ -73,11 +67,11 @@ class Spread:
     worst: int | None
 
     @classmethod
-    def of(cls, values: Vector, indices: Sequence[int], missing: int, seed: int) -> Spread:
-        """The spread of the values that are there; the resampling is seeded."""
+    def of(cls, values: Vector, indices: Sequence[int], missing: int) -> Spread:
+        """The spread of the values that are there."""
         if not values.size:
             return cls(0, missing, *(None,) * (len(STATISTICS) + 1))
-        low, high = _interval_of_mean(values, seed)
+        low, high = resampled(values, np.mean)
         p05, median, p95 = (float(quantile) for quantile in np.quantile(values, [0.05, 0.5, 0.95]))
         worst = indices[int(np.argmax(values))]
         ends = float(np.min(values)), float(np.max(values))
@@ -128,14 +122,13 @@ def summary_names(metrics: Sequence[str]) -> list[str]:
     return rates + [f"{metric}.{statistic}" for metric in metrics for statistic in STATISTICS]
 
 
-def summarise(rows: Sequence[Mapping[str, Any]], labels: Mapping[str, Any], metrics: Sequence[str], seed: int) -> Group:
+def summarise(rows: Sequence[Mapping[str, Any]], labels: Mapping[str, Any], metrics: Sequence[str]) -> Group:
     """Sum up the rows of one point of the grid.
 
     Args:
         rows: columns by name, at least one row.
         labels: of the point.
         metrics: names of the numbers.
-        seed: of the resampling.
     """
     completed = [row for row in rows if row["completed"]]
     spreads = {}
@@ -144,7 +137,7 @@ def summarise(rows: Sequence[Mapping[str, Any]], labels: Mapping[str, Any], metr
         held = [row for row in measured if row[metric] is not None]
         if measured:
             values, indices = np.array([row[metric] for row in held], dtype=float), [row["index"] for row in held]
-            spreads[metric] = Spread.of(values, indices, len(measured) - len(held), seed)
+            spreads[metric] = Spread.of(values, indices, len(measured) - len(held))
     return Group(
         labels=dict(labels),
         success=Rate.of(sum(row["passed"] is not False for row in rows), len(rows)),
@@ -155,25 +148,3 @@ def summarise(rows: Sequence[Mapping[str, Any]], labels: Mapping[str, Any], metr
         remarks=dict(Counter(name for row in rows for name in (row.get("remarks") or "").split(", ") if name)),
         spreads=spreads,
     )
-
-
-def _interval_of_mean(values: Vector, seed: int) -> tuple[float, float]:
-    mean = float(np.mean(values))
-    if np.ptp(values) == 0.0:
-        return mean, mean
-    from scipy import stats
-
-    # BCa covers skewed numbers better; of a few nearly equal ones it may have none.
-    for method in ("BCa", "percentile"):
-        with warnings.catch_warnings(action="ignore"):
-            found = stats.bootstrap(
-                (values,),
-                np.mean,
-                n_resamples=RESAMPLES,
-                confidence_level=CONFIDENCE,
-                method=method,
-                rng=np.random.default_rng(seed),
-            ).confidence_interval
-        if np.isfinite([found.low, found.high]).all():
-            break
-    return float(found.low), float(found.high)

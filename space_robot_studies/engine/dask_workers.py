@@ -13,7 +13,7 @@ from typing import Any
 from distributed import Client, Future, wait
 from distributed.comm.core import CommClosedError
 
-from space_robot_bringup.compose.composition import versions
+from space_robot_bringup.compose.versions import versions
 from space_robot_msgs_py.errors import SilenceError, SpecError
 from space_robot_studies.engine.local_workers import LocalWorkers
 from space_robot_studies.engine.tasks import Lost, Result, Stop, Task

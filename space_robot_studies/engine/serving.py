@@ -40,6 +40,11 @@ def serve(channel: Connection) -> None:
             os.waitpid(pid, 0)
 
 
+def serve_on(descriptor: int) -> None:
+    """``serve`` in a process that a nursery forked, which has the channel under this number."""
+    serve(Connection(descriptor))
+
+
 def _obey(
     message: tuple[Any, ...], channel: Connection, children: set[int], signals: tuple[socket.socket, ...]
 ) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import signal
 import socket
+import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,10 +17,12 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import send_handle
 from typing import Any
 
+from space_robot_bringup.modes.nursery import nursery
 from space_robot_msgs_py.errors import SilenceError
-from space_robot_studies.engine.nursery import nursery
 from space_robot_studies.engine.serving import serve
 
+# What the nursery of studies has loaded.
+PRELOADED = "space_robot_studies.campaign.run_case"
 END_SECONDS = 3.0
 POLL_SECONDS = 0.2
 
@@ -45,7 +48,7 @@ class Spawner:
 
     def __init__(self) -> None:
         ours, theirs = socket.socketpair()
-        self._end = _fork(ours, theirs) if _single_threaded() else nursery().fork(theirs)
+        self._end = _fork(ours, theirs) if _single_threaded() else _fork_from_nursery(theirs)
         theirs.close()
         self._socket, self._channel = ours, Connection(os.dup(ours.fileno()))
         self._ended: dict[int, int] = {}
@@ -160,5 +163,22 @@ def _fork(ours: socket.socket, theirs: socket.socket) -> Callable[[], None]:
         with suppress(ChildProcessError, ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
             os.waitpid(pid, 0)
+
+    return end
+
+
+def _fork_from_nursery(theirs: socket.socket) -> Callable[[], None]:
+    number = theirs.fileno()
+    try:
+        process = nursery(PRELOADED).fork(f"{serve.__module__}:serve_on", number, descriptors=[number])
+    except SilenceError:
+        raise _gone() from None
+
+    def end() -> None:
+        try:
+            process.wait(END_SECONDS)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait(END_SECONDS)
 
     return end

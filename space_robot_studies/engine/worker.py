@@ -9,9 +9,9 @@ import traceback
 from contextlib import suppress
 from multiprocessing.connection import Connection
 
+from space_robot_bringup.modes.pinned import PINNED
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_studies.engine.garbage_collection import collect_rarely
-from space_robot_studies.engine.pinned import PINNED
 from space_robot_studies.engine.tasks import Lost, Task
 
 PR_SET_PDEATHSIG = 1

@@ -1,20 +1,14 @@
-"""A number with the interval that holds it at 95 %: shares of runs by Wilson, means and medians by bootstrap."""
+"""A number with the interval that holds it at 95 %, and what both become in a formula."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, isfinite, sqrt
+from math import inf, isfinite
 from operator import truediv
 
-import numpy as np
-
 from space_robot_msgs_py.interfaces import Vector
-
-# Quantile of the normal distribution at 97.5 %.
-Z = 1.959963984540054
-RESAMPLES = 2000
-SEED = 20231105
+from space_robot_studies.intervals import resampled, wilson
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,34 +99,17 @@ def equal(a: Estimate, b: Estimate) -> bool | None:
     return None if a.low <= b.high and b.low <= a.high else False
 
 
-def wilson(count: float, of: int) -> tuple[float, float]:
-    """Ends of the 95 % interval of a share, which stays inside 0 to 1 (Wilson, J. Am. Stat. Assoc. 22, 1927).
-
-    Args:
-        count: how many have it.
-        of: of how many; at least 1.
-    """
-    share, square = count / of, Z * Z / of
-    middle, half = share + square / 2.0, Z * sqrt(share * (1.0 - share) / of + square / (4.0 * of))
-    low, high = ((middle + side * half) / (1.0 + square) for side in (-1.0, 1.0))
-    return (0.0 if count == 0 else max(0.0, low)), (1.0 if count == of else min(1.0, high))
-
-
 def share_of(count: float, of: int) -> Estimate:
     """A share of runs with Wilson's interval."""
     return Estimate(count / of, *wilson(count, of), of=of)
 
 
 def bootstrap(values: Vector, reduction: Callable[..., Vector]) -> Estimate:
-    """A mean or median with the 95 % interval of 2,000 resamples, always the same ones (Efron 1979, percentiles).
+    """A mean or median with the interval of its resamples; one that is not finite has none.
 
     Args:
         values: (N,), one per run.
         reduction: over an axis.
     """
     value = float(reduction(values, axis=0))
-    if values.size < 2 or not isfinite(value):
-        return exact(value)
-    drawn = np.random.Generator(np.random.PCG64(SEED)).integers(values.size, size=(RESAMPLES, values.size))
-    low, high = np.percentile(reduction(values[drawn], axis=1), [2.5, 97.5])
-    return Estimate(value, min(value, float(low)), max(value, float(high)))
+    return Estimate(value, *resampled(values, reduction)) if isfinite(value) else exact(value)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from space_robot_bringup.compose.composition import compose, versions
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.compose.versions import versions
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.errors import InputFileError, SilenceError, SpecError

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from space_robot_bringup.compose.composition import versions
+from space_robot_bringup.compose.versions import versions
 from space_robot_studies.engine.journal import RUNS
 from space_robot_studies.reproduce.claims import Judgement, ReadingJudgement, seed_text
 from space_robot_studies.reproduce.manifest import Choice, Claim, Figure, Table

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -84,8 +85,13 @@ class Tuning(Strict):
 
     @property
     def points(self) -> tuple[Point, ...]:
-        """The combinations of what is varied."""
-        return tuple(point_at(self.vary, at) for at in range(count_points(self.vary)))
+        """The combinations of what is varied; a label without a letter goes without saying.
+
+        So a file can vary another key and keep what is known of its points: names, searches and results are those that
+        they had before.
+        """
+        points = (point_at(self.vary, at) for at in range(count_points(self.vary)))
+        return tuple(replace(one, labels={k: v for k, v in one.labels.items() if v != ""}) for one in points)
 
     def campaign(self) -> Campaign:
         """The draws of a resolved file: first those of the search, then the held-out ones."""

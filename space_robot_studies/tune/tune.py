@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from space_robot_bringup.compose.composition import Composition, compose, versions
+from space_robot_bringup.compose.composition import Composition, compose
+from space_robot_bringup.compose.versions import versions
 from space_robot_bringup.experiment.experiment import experiment_from
 from space_robot_bringup.judge.metrics import metric_names
 from space_robot_msgs_py.errors import SilenceError, SpaceRobotError, SpecError

@@ -24,8 +24,11 @@ from pathlib import Path
 from statistics import median
 from time import monotonic, sleep
 
+from space_robot_bringup.compose.composition import compose
+from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.heartbeats import SILENT_SECONDS
-from space_robot_bringup.modes.hooks import roles_of
+from space_robot_bringup.modes.hooks import Hooks, roles_of
+from space_robot_bringup.modes.processes import run_processes
 from space_robot_bringup.modes.tether import PARENT_DIED
 from space_robot_bringup.replay.replay import ReplayOptions, replay
 from space_robot_msgs_py.log.reader import LogReader
@@ -33,8 +36,8 @@ from space_robot_msgs_py.topics import BASE_ODOM, WRENCH_COMMAND
 from space_robot_sim.nodes.tick_parts import MAX_LATE
 from space_robot_sim.nodes.turns import PATIENCE
 from tests.chaos.victims import DEADLINE, PARENT, await_gone, observer
-from tests.support.forked_nodes import nodes_of, run_forked
 from tests.support.forks import Fork
+from tests.support.processes import nodes_below
 
 EXPERIMENT, PERIOD = "liu2023/fig08", 0.25
 VICTIMS = (*roles_of(supervised=True, failover=True), PARENT)
@@ -108,16 +111,15 @@ def run(place: Path, board: Path, steps: int) -> None:
         if tick >= BEGUN:
             board.touch()
 
-    run_forked(
-        place, EXPERIMENT, (f"duration={steps * PERIOD}", *OVERRIDES), on_tick, realtime=REALTIME, failover=FAILOVER
-    )
+    composition = compose(load_experiment(EXPERIMENT, (f"duration={steps * PERIOD}", *OVERRIDES)))
+    run_processes(composition, place, hooks=Hooks(on_tick), realtime=REALTIME, failover=FAILOVER)
 
 
 def strike(blow: Blow, place: Path) -> Remains:
     """Run, strike, and look at what is left."""
     with observer() as newest:
         parent = _started(place, blow.steps)
-        children = nodes_of(parent.pid)
+        children = nodes_below(parent.pid)
         assert set(children) == set(VICTIMS) - {PARENT}, children
         sleep(blow.delay)
         pid = parent.pid if blow.victim == PARENT else children[blow.victim]

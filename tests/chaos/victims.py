@@ -27,6 +27,7 @@ from space_robot_msgs_py.codec.codecs import peek_stamp
 from space_robot_msgs_py.log.reader import LogReader
 from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import BASE_ODOM
+from tests.support.processes import nodes_below
 
 PARENT = "parent"
 VICTIMS = ("controller", "simulator", "guidance", "recorder", PARENT)
@@ -131,7 +132,7 @@ def _kill_child(kill: Kill) -> tuple[float, float | None, int, str | None]:
     def on_tick(tick: int) -> None:
         if tick >= BEGUN_TICKS and not killed:
             sleep(kill.delay)
-            children.update(nodes_of(os.getpid()))
+            children.update(nodes_below(os.getpid()))
             killed.append(monotonic())
             os.kill(children[kill.victim], signal.SIGKILL)
 
@@ -152,7 +153,7 @@ def _kill_parent(kill: Kill) -> tuple[float, float | None, int, str | None]:
             if int(line) >= BEGUN_TICKS or (kill.alone and bag.exists() and bag.stat().st_size):
                 break
         sleep(kill.delay)
-        children = nodes_of(parent.pid)
+        children = nodes_below(parent.pid)
         assert set(children) == set(ROLES) - set(late)
         parent.kill()
         killed = monotonic()
@@ -163,18 +164,6 @@ def _kill_parent(kill: Kill) -> tuple[float, float | None, int, str | None]:
         with contextlib.suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
     return ended - killed, None, len(orphans), None
-
-
-def nodes_of(parent: int) -> dict[str, int]:
-    """Process ids of the nodes that a process has started, by role."""
-    found = {}
-    for entry in Path("/proc").iterdir():
-        with contextlib.suppress(OSError, ValueError, IndexError):
-            status = (entry / "stat").read_text().rpartition(")")[2].split()
-            words = (entry / "cmdline").read_bytes().decode().split("\0")
-            if int(status[1]) == parent and "space_robot_bringup.nodes.process" in words:
-                found[words[words.index("space_robot_bringup.nodes.process") + 1]] = int(entry.name)
-    return found
 
 
 def await_gone(pids: Iterable[int]) -> list[int]:

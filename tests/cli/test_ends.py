@@ -7,9 +7,12 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Never
 
 import pytest
 
+from space_robot_cli import main
+from space_robot_cli.system_libraries import missing_library
 from space_robot_msgs_py.atomic_file import write_atomically
 from space_robot_msgs_py.log.run_directory import RunDirectory
 from tests.support.paths import ROOT
@@ -92,3 +95,20 @@ def test_ctrl_c_before_the_run_begins_ends_it(tmp_path: Path) -> None:
         out, err = run.communicate(timeout=60)
     assert (run.returncode, out, err) == (1, "", "space-robot: interrupted\n")
     assert not (tmp_path / "run").exists()
+
+
+def test_a_missing_library_of_the_system_is_one_line_and_exit_2(
+    space_robot: Tool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A container of the least kind lacks what the wheel of Pinocchio needs: what is missing, and how to install it."""
+
+    def loaded(_: str) -> Never:
+        raise ImportError("libgomp.so.1: cannot open shared object file: No such file or directory")
+
+    monkeypatch.setattr(main, "load_commands", loaded)
+    refused(space_robot("list"), "libgomp.so.1", "apt install libgomp1")
+
+
+def test_another_error_of_an_import_is_not_taken_for_it() -> None:
+    """Only the dynamic loader's words are meant."""
+    assert missing_library(ImportError("cannot import name 'x' from 'y'")) is None

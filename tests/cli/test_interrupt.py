@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-from tests.support.paths import ROOT
+from space_robot_cli import view_commands
+from tests.support.follow import DEADLINE, ended
+from tests.support.forks import Fork, fork_main, run_main
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # Says that it is being made, and never is: as a law that is compiled for ever.
@@ -53,43 +53,37 @@ def test_a_study_can_be_interrupted_while_it_is_checked(
     for name, text in (("slow.py", SLOW), ("slow.yaml", CAMPAIGN), ("paper.yaml", PAPER)):
         (tmp_path / name).write_text(text)
     before = set(tmp_path.iterdir())
-    command = [sys.executable, "-m", "space_robot_cli", *arguments]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    with subprocess.Popen(
-        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as tool:
-        assert tool.stderr is not None
-        assert tool.stderr.readline() == "being made\n"
+    with ended([fork_main("space_robot_cli.main", *arguments, cwd=tmp_path, session=True)]) as (tool,):
+        tool.await_words("being made\n", DEADLINE)
         os.killpg(tool.pid, number)
-        said = tool.stderr.read().replace("being made\n", "")
-        assert tool.wait(timeout=60) == 1, said
+        said = tool.communicate(DEADLINE)[1].replace("being made\n", "")
+    assert tool.returncode == 1, said
     word = "interrupted" if number == signal.SIGINT else "terminated"
     assert said.splitlines() == [f"{word}: finished runs are kept; go on with --resume"]
     assert {path for path in tmp_path.iterdir() if path.name != "__pycache__"} == before
 
 
-@pytest.mark.parametrize("number", SIGNALS)
-def test_any_command_ends_in_one_line(tmp_path: Path, number: signal.Signals) -> None:
-    """A command without handlers of its own, such as report, says how it was ended and exits with 1."""
-    program = """
-import os, sys
-import space_robot_cli.view_commands
-from space_robot_cli import main
-
-def wait(place, suffix):
-    os.write(2, b"begun\\n")
+def wait_for_ever(*arguments: object) -> None:
+    """Say that it has begun, and never end."""
+    os.write(2, b"begun\n")
     while True:
         pass
 
-space_robot_cli.view_commands.beside = wait
-sys.argv = ["space-robot", "report", "nothing"]
-main.main()
-"""
-    with subprocess.Popen([sys.executable, "-c", program], cwd=ROOT, stderr=subprocess.PIPE, text=True) as tool:
-        assert tool.stderr is not None
-        assert tool.stderr.readline() == "begun\n"
+
+def report_for_ever() -> None:
+    """``space-robot report`` that does not get beyond the place of its page."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(view_commands, "beside", wait_for_ever)
+        run_main("space_robot_cli.main", ["report", "nothing"])
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_any_command_ends_in_one_line(number: signal.Signals) -> None:
+    """A command without handlers of its own, such as report, says how it was ended and exits with 1."""
+    with ended([Fork(report_for_ever)]) as (tool,):
+        tool.await_words("begun\n", DEADLINE)
         tool.send_signal(number)
-        said = tool.stderr.read()
-        assert tool.wait(timeout=60) == 1, said
+        said = tool.communicate(DEADLINE)[1].replace("begun\n", "")
+    assert tool.returncode == 1, said
     word = "interrupted" if number == signal.SIGINT else "terminated"
     assert said.splitlines() == [f"space-robot: {word}"]

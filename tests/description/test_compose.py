@@ -233,6 +233,10 @@ BAD_FILES: dict[str, tuple[dict[str, Any], str]] = {
         {"actuators": actuators(base_torque=WHEELS | {"initial_momentum": [0, -2.5, 0]})},
         "actuators.base_torque.initial_momentum: beyond the momentum limit",
     ),
+    "thrusters without torque": (
+        {"actuators": actuators(base_torque=WHEELS | {"unloading": [0.5, 0.0, 0.7]})},
+        "actuators.base_torque.unloading: is not positive",
+    ),
     "negative thrust": (
         {"base_mode": "free_flying", "actuators": actuators(base_force=THRUSTERS | {"limit": [1, -1, 1]})},
         "actuators.base_force.limit: limit is negative",

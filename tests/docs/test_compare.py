@@ -12,10 +12,12 @@ from space_robot_studies.benchmark.spec import load_benchmark
 from space_robot_studies.benchmark.table import read_table
 from tests.support.paths import ROOT
 
+PAGES = ["README.md", "docs/compare.md", "docs/compare-points.md"]
 
-@pytest.mark.parametrize("page", ["README.md", "docs/compare.md"])
+
+@pytest.mark.parametrize("page", PAGES)
 def test_the_results_on_a_page_are_those_of_the_shipped_table(page: str) -> None:
-    """Every cell and every sentence: python -m space_robot_studies.benchmark.docs README.md docs/compare.md."""
+    """Every cell and every sentence: python -m space_robot_studies.benchmark.docs README.md docs/compare*.md."""
     text = (ROOT / page).read_text(encoding="utf-8")
     assert "<!-- results of v1" in text
     assert filled(text) == text

@@ -46,7 +46,7 @@ KINDS = {
     "plant": "plant",
 }
 # Pages whose commands need those before them.
-IN_ORDER = ("benchmark.md", "campaigns.md", "compare.md", "replay.md", "tuning.md", "view.md")
+IN_ORDER = ("benchmark.md", "campaigns.md", "compare.md", "replay.md", "reproduce.md", "tuning.md", "view.md")
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -248,6 +248,22 @@ def test_commands_of_the_comparison_page_work_in_their_order(tmp_path: Path, mon
     assert len(lines) == 3
     for line in lines:
         assert exit_code(line.replace("FILE", "small.yaml"), monkeypatch) == 0, line
+
+
+def test_commands_of_the_reproduction_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Everything, a figure, the rest after an interruption, and all as JSON, of the manifest of the page."""
+    (tmp_path / "my_paper.yaml").write_text(yaml_blocks("manifest")[0], encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    lines = [line for line in shell_lines("reproduce.md") if line]
+    assert [line.partition("my_paper.yaml")[2] for line in lines] == [
+        "",
+        " --figure 2 --workers 2",
+        " --resume",
+        " --json",
+    ]
+    for line in lines[:3]:
+        assert exit_code(line, monkeypatch) == 0, line
+    assert exit_code(f"{lines[3]} --resume", monkeypatch) == 0
 
 
 def test_commands_of_the_replay_page_work_in_their_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -110,10 +110,10 @@ def test_a_busy_machine_changes_no_bit(truth: Path, tmp_path: Path) -> None:
 
 
 def test_a_busy_machine_and_a_late_controller_change_no_bit(truth: Path, tmp_path: Path) -> None:
-    """The run waits for its controller: started 3 s after the others, with a core burnt, it gives the same run."""
+    """The run waits for its controller: started 1.5 s after the others, with a core burnt, it gives the same run."""
     composition, late = compose(load_experiment("liu2023/fig08", ROUGH)), tmp_path / "run"
     with burning_core():
-        reason = run_processes(composition, late, realtime=None, hooks=Hooks(), late={"controller": 3.0})
+        reason = run_processes(composition, late, realtime=None, hooks=Hooks(), late={"controller": 1.5})
     assert reason == "completed"
     assert bag(late) == bag(truth)
 

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.modes.context import reserved_domain
 from space_robot_bringup.modes.run import run_experiment
 from space_robot_msgs_py.log.reader import LogReader
-from tests.support.follow import Spawn, said_by
+from tests.support.follow import Spawn
 from tests.support.logged_law import law_of
-from tests.support.paths import ROOT
 
 pytest.importorskip("rclpy")
+from tests.support.executables import run_beside
 
 pytestmark = [pytest.mark.ros, pytest.mark.xdist_group("graph")]
 
@@ -49,24 +45,11 @@ def test_the_telemetry_of_law_and_grasp_is_in_the_log(tmp_path: Path) -> None:
     assert np.abs(ticks[-1].sample.telemetry["grasp_effort"][2]) > 0.0
 
 
-def binaries() -> Path:
-    """Where ``python3`` is this interpreter: in the source tree the executables have none beside them."""
-    return Path(sys.executable).parent
-
-
 def test_the_executable_runs_the_testbed(tmp_path: Path, spawn: Spawn) -> None:
     """``mfac_controller`` with simulator, guidance and recorder beside it runs an experiment to its end."""
     run = tmp_path / "run"
     common = ["--experiment", "song2023/attitude_1_7", "--out", str(run), "--set", "duration=2.0"]
-    nodes = ("space_robot_sim/recorder", "space_robot_sim/simulator", "space_robot_control/guidance")
-    with reserved_domain() as domain:
-        environment = os.environ | {"ROS_DOMAIN_ID": str(domain), "PATH": f"{binaries()}:{os.environ['PATH']}"}
-        children = [
-            spawn(["sh", str(ROOT / "lib" / name), *common], env=environment, stderr=subprocess.PIPE)
-            for name in (*nodes, "space_robot_control/mfac_controller")
-        ]
-        said = said_by(children)
-    assert [child.returncode for child in children] == [0, 0, 0, 0], said
+    run_beside(spawn, "space_robot_control/mfac_controller", common)
     reader = LogReader(run)
     assert reader.end_reason == "completed"
     assert law_of(reader.header.experiment) == "mfac"

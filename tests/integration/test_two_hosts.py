@@ -29,7 +29,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.slow, pytest.mark.netns, pytest.mark.
 ADDRESSES = {"onboard": "10.231.77.1", "ground": "10.231.77.2"}
 NODE = "space_robot_bringup.nodes.process"
 ROLES = {"recorder": "onboard", "simulator": "onboard", "guidance": "ground", "controller": "ground"}
-CUT_SECONDS = 5.0
+CUT_SECONDS = 3.0
 DEADLINE = 120.0
 PACE, PERIOD = 2.0, 0.25
 # Hosts share no memory, the two namespaces of this machine would. What is heard by default is to be seen.
@@ -140,7 +140,7 @@ def test_lock_step_waits_for_the_link_and_loses_nothing(hosts: TwoHosts, tmp_pat
 
 def test_a_paced_run_holds_while_the_link_is_down_and_recovers(hosts: TwoHosts, tmp_path: Path) -> None:
     """Without commands the motors get the hold, zero here; with the link they come back and the robot follows again."""
-    run_with_outage(hosts, tmp_path / "run", 40, "--realtime", str(PACE), "--set", "duration=60.0")
+    run_with_outage(hosts, tmp_path / "run", 20, "--realtime", str(PACE), "--set", "duration=35.0")
     log = LogReader(tmp_path / "run")
     codec = TickCodec(log.header.joint_names)
     rows = [parts for _, parts in log.stamps()]

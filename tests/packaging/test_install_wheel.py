@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -88,34 +88,28 @@ def bag(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run
 
 
-def ends() -> list[Any]:
-    """Every executable with both signals; which of them every run of the suite tries goes by turns."""
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    return [
-        pytest.param(name, number, marks=[pytest.mark.thorough] if (turn + other) % 2 else [])
-        for turn, name in enumerate(executables())
-        for other, number in enumerate(numbers)
-    ]
+@pytest.mark.parametrize("turn", [0, pytest.param(1, marks=pytest.mark.thorough)])
+def test_every_node_starts_lists_its_parameters_and_stops(prefix: Path, bag: Path, tmp_path: Path, turn: int) -> None:
+    """It appears in the graph, lists its parameters and ends with 0 on SIGINT and SIGTERM, leaving no process.
 
-
-@pytest.mark.parametrize(("executable", "number"), ends())
-def test_every_node_starts_lists_its_parameters_and_stops(
-    prefix: Path, bag: Path, tmp_path: Path, executable: str, number: signal.Signals
-) -> None:
-    """It appears in the graph, lists its parameters and ends with 0 on SIGINT and SIGTERM, leaving no process."""
-    arguments = [*EXPERIMENT, "--out", str(tmp_path / "run"), *MORE.get(executable, [])]
-    if executable == REPLAYER:
-        arguments = [str(bag), "--paused"]
-    with reserved_domain() as domain, _observer(domain) as observer:
-        child = _start(prefix / "lib" / executable, arguments, domain, namespace="one")
-        with ended([child]):
-            assert ("use_sim_time" if executable == REPLAYER else "experiment") in observer("/one/node", child)
-            child.send_signal(number)
-            said = child.communicate(timeout=DEADLINE)[0]
-    assert child.returncode == 0, said
-    assert "Traceback" not in said
-    with pytest.raises(ProcessLookupError):
-        os.killpg(child.pid, 0)
+    Each is alone on its domain; which of them gets which signal goes by turns.
+    """
+    with ExitStack() as domains:
+        nodes = {name: domains.enter_context(reserved_domain()) for name in executables()}
+        children = {name: _start(prefix, name, bag, tmp_path / name, domain) for name, domain in nodes.items()}
+        with ended([*children.values()]):
+            for name, domain in nodes.items():
+                with _observer(domain) as observer:
+                    listed = observer("/one/node", children[name])
+                assert ("use_sim_time" if name == REPLAYER else "experiment") in listed, name
+            for index, child in enumerate(children.values()):
+                child.send_signal((signal.SIGINT, signal.SIGTERM)[(index + turn) % 2])
+            said = {name: child.communicate(timeout=DEADLINE)[0] for name, child in children.items()}
+    for name, child in children.items():
+        assert child.returncode == 0, (name, said[name])
+        assert "Traceback" not in said[name]
+        with pytest.raises(ProcessLookupError):
+            os.killpg(child.pid, 0)
 
 
 @pytest.mark.parametrize("executable", executables())
@@ -133,10 +127,13 @@ def _run(prefix: Path, *command: str, cwd: Path) -> subprocess.CompletedProcess[
     return done
 
 
-def _start(executable: Path, arguments: list[str], domain: int, *, namespace: str) -> subprocess.Popen[str]:
-    renamed = ["--ros-args", "-r", f"__ns:=/{namespace}", "-r", "__node:=node"]
+def _start(prefix: Path, name: str, bag: Path, run: Path, domain: int) -> subprocess.Popen[str]:
+    arguments = [*EXPERIMENT, "--out", str(run), *MORE.get(name, [])]
+    if name == REPLAYER:
+        arguments = [str(bag), "--paused"]
+    renamed = ["--ros-args", "-r", "__ns:=/one", "-r", "__node:=node"]
     return subprocess.Popen(
-        [str(executable), *arguments, *renamed],
+        [str(prefix / "lib" / name), *arguments, *renamed],
         # Nothing is run here: compiling would take far longer than all the rest.
         env=foreign_environment(ROS_DOMAIN_ID=str(domain), NUMBA_DISABLE_JIT="1"),
         stdout=subprocess.PIPE,

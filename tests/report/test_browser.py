@@ -22,7 +22,7 @@ playwright = pytest.importorskip("playwright.sync_api")
 image = pytest.importorskip("PIL.Image")
 pytest.importorskip("viser")
 
-from space_robot_bringup.experiment.experiment import experiment_from, experiment_path, load_experiment  # noqa: E402
+from space_robot_bringup.experiment.experiment import experiment_from, experiment_path  # noqa: E402
 from space_robot_bringup.modes.run import run_experiment  # noqa: E402
 from space_robot_description.load import load_robot  # noqa: E402
 from space_robot_description.validation import parse_yaml  # noqa: E402
@@ -61,25 +61,28 @@ MOVED = 300
 
 
 @pytest.fixture(scope="module")
-def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    directory = tmp_path_factory.mktemp("bags") / "fig08"
-    run_experiment(load_experiment("liu2023/fig08"), directory, mode="headless")
-    return directory
+def chromium() -> Iterator[Any]:
+    """One for all tests: it takes seconds to start."""
+    with playwright.sync_playwright() as driver:
+        program = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=list(ARGUMENTS))
+        try:
+            yield program
+        finally:
+            program.close()
 
 
 @pytest.fixture
-def browser() -> Iterator[Any]:
-    """A Chromium of its own, with a profile of its own; an error of a script fails the test."""
-    with playwright.sync_playwright() as driver:
-        chromium = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=list(ARGUMENTS))
-        errors: list[str] = []
-        page = chromium.new_page(viewport={"width": 900, "height": 620})
-        page.set_default_timeout(1000.0 * DEADLINE)
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        try:
-            yield page
-        finally:
-            chromium.close()
+def browser(chromium: Any) -> Iterator[Any]:
+    """A page of a profile of its own; an error of a script fails the test."""
+    profile = chromium.new_context(viewport={"width": 720, "height": 480})
+    errors: list[str] = []
+    page = profile.new_page()
+    page.set_default_timeout(1000.0 * DEADLINE)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    try:
+        yield page
+    finally:
+        profile.close()
     assert errors == []
 
 
@@ -106,7 +109,7 @@ def still(shown: Any, page: Any) -> np.ndarray:
     last = [pixels(shown)]
 
     def settled() -> bool:
-        page.wait_for_timeout(500)
+        page.wait_for_timeout(150)
         last.append(pixels(shown))
         return moved(last[-2], last[-1]) == 0 and len(np.unique(last[-1].reshape(-1, 3), axis=0)) > 50
 

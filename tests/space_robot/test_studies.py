@@ -1,4 +1,4 @@
-"""`space_robot.campaign`, `compare` and `reproduce`: what the commands do, as calls with results."""
+"""`space_robot.campaign`, `compare`, `benchmark` and `reproduce`: what the commands do, as calls with results."""
 
 from __future__ import annotations
 
@@ -29,6 +29,14 @@ seed: 3
 disperse: {initial.angular_velocity: {direction: {low: 0.0, high: 0.002}}}
 vary: {controller.law: [computed_torque, pd]}
 """
+BENCHMARK = """
+version: 1
+rules: {budget: 2, draws: 1, held_out: 2}
+vary: {control_period: [0.25, 0.5]}
+laws: {pd: {gains: {bandwidth: 0.2}}}
+tasks:
+  move: {experiment: compare/mini, set: {duration: 2.0, reference.duration: 1.0, reference.joints_by_deg: 1}}
+"""
 MANIFEST = """
 title: A paper
 citation: "Anon, Tests 1, 2023"
@@ -57,6 +65,7 @@ def tool(monkeypatch: pytest.MonkeyPatch, *words: str) -> object:
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A working directory with a campaign and a manifest."""
     (tmp_path / "small.yaml").write_text(CAMPAIGN, encoding="utf-8")
+    (tmp_path / "set.yaml").write_text(BENCHMARK, encoding="utf-8")
     (tmp_path / "paper.yaml").write_text(MANIFEST, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -97,6 +106,19 @@ def test_a_comparison_that_was_stopped_compares_nothing(folder: Path) -> None:
     assert (done.end_reason, done.comparisons, done.passed) == ("interrupted", (), False)
 
 
+def test_a_benchmark_is_that_of_the_command_line(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same table, bit for bit; a part of it has the rows of the whole, and a stopped one says so."""
+    pytest.importorskip("cmaes")
+    done = sr.benchmark(folder / "set.yaml", out="mine", workers=1)
+    assert (done.end_reason, done.passed, len(done.table.rows)) == ("completed", True, 2)
+    assert tool(monkeypatch, "benchmark", "set.yaml", "--out", "theirs", "--workers", "1") == 0
+    assert (folder / "mine" / "table.json").read_bytes() == (folder / "theirs" / "table.json").read_bytes()
+    part = sr.benchmark("set.yaml", law=["pd"], task=["move"], only=["control_period=0.5"], out="part", workers=1)
+    assert part.table.rows == done.table.rows[1:]
+    stopped = sr.benchmark("set.yaml", out="stopped", workers=1, hooks=StudyHooks(stop=lambda: "interrupted"))
+    assert (stopped.end_reason, stopped.passed) == ("interrupted", False)
+
+
 def test_a_reproduction_judges_the_claims(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures, runs and verdicts are those of the command's claims.json; a stopped one judges nothing."""
     pytest.importorskip("matplotlib")
@@ -119,6 +141,11 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: sr.campaign("smal.yaml"), r"^campaign: no such campaign file"),
     (lambda: sr.compare(["small.yaml", "small.yaml"]), r"compared twice; got 'small.yaml'"),
     (lambda: sr.compare("small.yaml", workers=-1), r"^workers: not a number of workers; got -1"),
+    (lambda: sr.benchmark("set.yaml", workers=0), r"^workers: not a number of workers; got 0"),
+    (lambda: sr.benchmark("set.yaml", law=["pdd"]), r"^law: is not in this benchmark; got 'pdd'; accepted: pd"),
+    (lambda: sr.benchmark("set.yaml", task=["mov"]), r"^task: is not in this benchmark"),
+    (lambda: sr.benchmark("set.yaml", only=["control_period=1"]), r"^only control_period: .*accepted: 0.25, 0.5"),
+    (lambda: sr.benchmark("set.yaml", short=True), r"^short: names no short part"),
     (lambda: sr.reproduce("paper.yaml", workers=0), r"^workers: not a number of workers; got 0"),
     (lambda: sr.reproduce("paper.yaml", ["9"]), r"^figures: no such figure; got '9'"),
     (lambda: sr.reproduce("liu2024"), r"^paper: no such manifest .*liu2023"),

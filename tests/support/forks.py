@@ -17,10 +17,12 @@ from importlib import import_module
 from multiprocessing import forkserver
 from multiprocessing.context import ForkServerContext
 from pathlib import Path
+from time import monotonic, sleep
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
 PRELOADED = "tests.support.preloaded"
+POLL_SECONDS = 0.005
 
 
 class Fork:
@@ -31,6 +33,7 @@ class Fork:
         arguments: for the function.
         cwd: working directory.
         environment: of the process; None: as it is here.
+        session: it leads one of its own, as what a terminal starts; signals reach all that it starts (``os.killpg``).
     """
 
     def __init__(
@@ -39,11 +42,12 @@ class Fork:
         *arguments: Any,
         cwd: Path | None = None,
         environment: Mapping[str, str] | None = None,
+        session: bool = False,
     ) -> None:
         place = tempfile.mkdtemp(prefix="fork-")
         weakref.finalize(self, shutil.rmtree, place)
         self._said = tuple(Path(place) / name for name in ("stdout", "stderr"))
-        given = (self._said, cwd or Path.cwd(), dict(os.environ if environment is None else environment))
+        given = (self._said, cwd or Path.cwd(), dict(os.environ if environment is None else environment), session)
         self._process = _context().Process(target=_begin, args=(*given, function, arguments))
         self._process.start()
         assert self._process.pid is not None
@@ -64,6 +68,14 @@ class Fork:
         if self._process.exitcode is None:
             raise subprocess.TimeoutExpired(f"fork {self.pid}", timeout or 0.0)
         return self._process.exitcode
+
+    def await_words(self, words: str, timeout: float) -> None:
+        """Wait until it has said something on stderr."""
+        deadline = monotonic() + timeout
+        while words not in (said := self._said[1].read_text() if self._said[1].exists() else ""):
+            assert self.poll() is None, f"ended with {self.returncode}: {said}"
+            assert monotonic() < deadline, f"waited {timeout} s for {words!r}, heard {said!r}"
+            sleep(POLL_SECONDS)
 
     def communicate(self, timeout: float | None = None) -> tuple[str, str]:
         """Wait for the end; what it said on stdout and stderr."""
@@ -103,9 +115,16 @@ def _context() -> ForkServerContext:
 
 
 def _begin(
-    said: tuple[Path, Path], cwd: Path, environment: dict[str, str], function: Callable[..., Any], arguments: Any
+    said: tuple[Path, Path],
+    cwd: Path,
+    environment: dict[str, str],
+    session: bool,
+    function: Callable[..., Any],
+    arguments: Any,
 ) -> None:
     assert PRELOADED in sys.modules, "the process that forks could not import what is to be there already"
+    if session:
+        os.setsid()
     os.chdir(cwd)
     os.environ.clear()
     os.environ.update(environment)

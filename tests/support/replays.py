@@ -6,10 +6,13 @@ from pathlib import Path
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_bringup.modes.run import Mode, run_experiment
+from space_robot_bringup.replay.comparison import Divergence
 from space_robot_bringup.replay.replay import Replayed, ReplayOptions, replay
-from space_robot_msgs_py.codec.codecs import decode_events, encode_events
+from space_robot_bringup.replay.result import Outcome
+from space_robot_msgs_py.codec.codecs import LOGGED, decode_events, encode_events
 from space_robot_msgs_py.events import PUBLISHERS
 from space_robot_msgs_py.log.reader import LogReader
+from space_robot_msgs_py.log.writer import LogWriter
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS
 
 
@@ -49,3 +52,27 @@ def but_for_publishers(bag: Path) -> list[tuple[str, int, bytes]]:
         else:
             found.append((name, stamp, data))
     return found
+
+
+def rewritten(source: Path, place: Path, change: object = None, drop: tuple[str, ...] = (), end: str = "") -> Path:
+    """A copy of a log; ``change(stamp, parts)`` may alter the messages of a stamp, or leave it out by None."""
+    reader = LogReader(source)
+    writer = LogWriter(place, reader.header)
+    writer.write_description(reader.header.urdf)
+    for stamp, parts in reader.stamps():
+        kept = {name: raw for name, raw in parts.items() if name not in drop}
+        altered = change(stamp, kept) if callable(change) else kept
+        if altered is not None:
+            writer.write_tick(stamp, {topic: altered[topic.name] for topic in LOGGED if topic.name in altered})
+    writer.close(end or reader.end_reason or "cut")
+    return place
+
+
+def one(done: Replayed) -> Outcome:
+    (outcome,) = done.outcomes
+    return outcome
+
+
+def first(outcome: Outcome) -> Divergence:
+    assert outcome.first is not None
+    return outcome.first

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import zlib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping
 from struct import Struct
 from typing import IO
 
+import numpy as np
 import zstandard
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -25,6 +26,7 @@ from mcap.records import (
     SummaryOffset,
 )
 
+from space_robot_msgs_py.log.mcap.positions import Integers, Positions, Stretch
 from space_robot_msgs_py.log.mcap.records import (
     MAGIC,
     MESSAGE_OPCODE,
@@ -41,21 +43,35 @@ _MESSAGE_INDEX, _INDEX_OPCODE = Struct("<BQHI"), int(Opcode.MESSAGE_INDEX)
 CHUNK_SIZE = 1 << 17
 
 
-def write_indexed(incoming: IO[bytes], outgoing: IO[bytes], key: str) -> None:
+def write_indexed(incoming: IO[bytes], outgoing: IO[bytes], key: str, known: Positions | None = None) -> None:
     """Copy a file with its messages in zstd chunks and an index behind them; what is in it stays the same.
 
     Args:
         incoming: an MCAP file, whole or cut; what stands behind its last complete record is left out.
         outgoing: an empty file; its content is on the disk when this returns.
         key: name of the first, for error messages.
+        known: where all messages of the file stand, which spares a look at each.
     """
-    incoming.seek(len(MAGIC))
+    size, start = os.fstat(incoming.fileno()).st_size, len(MAGIC)
     writer = IndexedWriter(outgoing, key)
-    for opcode, content in flatten(scan(incoming, os.fstat(incoming.fileno()).st_size), key):
-        writer.add(opcode, content)
+    # A file that another program cut meanwhile has less than is known of it.
+    if known is not None and known.start < known.stop <= size:
+        _copy(incoming, writer, start, known.start)
+        incoming.seek(known.start)
+        for stretch in known.stretches(CHUNK_SIZE):
+            writer.add_stretch(incoming.read(stretch.stop - stretch.start), stretch)
+        start = known.stop
+    _copy(incoming, writer, start, size)
     writer.finish()
     outgoing.flush()
     os.fsync(outgoing.fileno())
+
+
+def _copy(incoming: IO[bytes], writer: IndexedWriter, start: int, stop: int) -> None:
+    """The records between two places of a file."""
+    incoming.seek(start)
+    for opcode, content in flatten(scan(incoming, stop, start), writer.key):
+        writer.add(opcode, content)
 
 
 class IndexedWriter:
@@ -64,10 +80,13 @@ class IndexedWriter:
     Args:
         stream: an empty file.
         key: its name, for error messages.
+
+    Attributes:
+        key: the same.
     """
 
     def __init__(self, stream: IO[bytes], key: str) -> None:
-        self._stream, self._key = stream, key
+        self._stream, self.key = stream, key
         self._position = 0
         self._compressor = zstandard.ZstdCompressor(level=3)
         self._chunk = bytearray()
@@ -102,10 +121,15 @@ class IndexedWriter:
         elif opcode == Opcode.ATTACHMENT:
             self._index_attachment(content, len(record))
         elif opcode == Opcode.METADATA:
-            metadata = parse(Metadata.read, content, self._key)
+            metadata = parse(Metadata.read, content, self.key)
             index = MetadataIndex(offset=self._position, length=len(record), name=metadata.name)
             self._summary[Opcode.METADATA_INDEX].append(record_bytes(index))
         self._write(record)
+
+    def add_stretch(self, data: bytes, stretch: Stretch) -> None:
+        """Take message records, all of one chunk, of which it is known where they stand."""
+        self._close_chunk()
+        self._write_chunk(data, stretch.first, stretch.last, stretch.entries)
 
     def finish(self) -> None:
         """Write what comes behind the data."""
@@ -130,7 +154,7 @@ class IndexedWriter:
         self._write(MAGIC)
 
     def _add_message(self, content: bytes) -> None:
-        channel, _, stamp, _ = message_head(content, self._key)
+        channel, _, stamp, _ = message_head(content, self.key)
         chunk = self._chunk
         if stamp != self._last or not chunk:
             if len(chunk) > CHUNK_SIZE:
@@ -148,33 +172,37 @@ class IndexedWriter:
     def _close_chunk(self) -> None:
         if not self._chunk:
             return
-        data = bytes(self._chunk)
+        entries = {channel: np.array(one, dtype=np.uint64) for channel, one in self._entries.items()}
+        self._write_chunk(bytes(self._chunk), self._first, self._last, entries)
+        self._chunk.clear()
+        self._entries = {}
+
+    def _write_chunk(self, data: bytes, first: int, last: int, entries: Mapping[int, Integers]) -> None:
+        """A chunk of message records between two stamps [ns], with stamp and offset of each by channel."""
         packed = self._compressor.compress(data)
         start = self._position
-        self._write_record(Chunk("zstd", packed, self._last, self._first, zlib.crc32(data), len(data)))
+        self._write_record(Chunk("zstd", packed, last, first, zlib.crc32(data), len(data)))
         end, offsets = self._position, {}
-        for channel, entries in self._entries.items():
+        for channel, numbers in entries.items():
             offsets[channel] = self._position
-            self._write(_message_index(channel, entries))
-            self._counts[channel] += len(entries) // 2
+            self._write(_message_index(channel, numbers.tobytes()))
+            self._counts[channel] += numbers.size // 2
         index = ChunkIndex(
             chunk_length=end - start,
             chunk_start_offset=start,
             compression="zstd",
             compressed_size=len(packed),
-            message_end_time=self._last,
+            message_end_time=last,
             message_index_length=self._position - end,
             message_index_offsets=offsets,
-            message_start_time=self._first,
+            message_start_time=first,
             uncompressed_size=len(data),
         )
         self._summary[Opcode.CHUNK_INDEX].append(record_bytes(index))
-        self._span = (self._first if self._span is None else self._span[0], self._last)
-        self._chunk.clear()
-        self._entries = {}
+        self._span = (first if self._span is None else self._span[0], last)
 
     def _index_attachment(self, content: bytes, length: int) -> None:
-        attachment = parse(Attachment.read, content, self._key)
+        attachment = parse(Attachment.read, content, self.key)
         index = AttachmentIndex(
             offset=self._position,
             length=length,
@@ -208,7 +236,6 @@ class IndexedWriter:
         self._position += len(data)
 
 
-def _message_index(channel: int, entries: Sequence[int]) -> bytes:
+def _message_index(channel: int, numbers: bytes) -> bytes:
     """A record that says where in a chunk the messages of a channel are; mcap's own takes a second per million."""
-    numbers = Struct(f"<{len(entries)}Q").pack(*entries)
     return _MESSAGE_INDEX.pack(_INDEX_OPCODE, 6 + len(numbers), channel, len(numbers)) + numbers

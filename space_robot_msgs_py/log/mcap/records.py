@@ -67,17 +67,18 @@ def message_head(content: bytes, key: str) -> tuple[int, int, int, int]:
     return channel, sequence, stamp, published
 
 
-def scan(stream: IO[bytes], size: int) -> Iterator[tuple[int, bytes]]:
+def scan(stream: IO[bytes], size: int, start: int = len(MAGIC)) -> Iterator[tuple[int, bytes]]:
     """Opcode and content of every complete record behind the magic; a file that was truncated just ends earlier.
 
     Args:
-        stream: the file, behind its magic.
+        stream: the file, at ``start``.
         size: of the file [bytes]; no record can be longer, whatever a damaged length says.
+        start: where the first record begins.
 
     Raises:
         LogError: a record is beyond the limit.
     """
-    position, most = len(MAGIC), RECORD_BYTES.most
+    position, most = start, RECORD_BYTES.most
     # What was read of the file and not yet given, from ``start`` on: two reads a record would take as long as all else.
     block, start = b"", 0
     while position + _HEAD <= size:

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from space_robot_bringup.experiment.expectations import Occurrence, OverTime, Temporal
-from space_robot_bringup.judge.temporal import Clock, Finding, Now, Within, pattern, watch_of
+from space_robot_bringup.judge.temporal import Within, watch_of
+from space_robot_bringup.judge.window import Clock, Finding, Now
+from space_robot_bringup.judge.wording import pattern
 from space_robot_msgs_py.interfaces import NANOSECONDS
 
 PERIOD = NANOSECONDS // 4

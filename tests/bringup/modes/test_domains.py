@@ -49,13 +49,12 @@ def test_a_domain_is_taken_until_the_last_process_on_it_is_gone() -> None:
 def test_the_processes_of_a_run_hold_its_domain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of them, so that a run whose starter was killed keeps its domain until its last node is gone."""
     given: list[tuple[int, ...]] = []
-    real = subprocess.Popen
 
-    def start(command: Any, **options: Any) -> Any:
-        given.append(options["pass_fds"])
-        return real(["true"], **options)
+    def start(arguments: Any, environment: Any, descriptors: Any) -> Any:
+        given.append(descriptors)
+        return subprocess.Popen(["true"], env=environment, pass_fds=descriptors)
 
-    monkeypatch.setattr(processes.subprocess, "Popen", start)
+    monkeypatch.setattr(processes, "start_node", start)
     composition = compose(load_experiment("liu2023/fig08"))
     with reserved_domain() as number:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(number))

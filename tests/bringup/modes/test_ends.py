@@ -63,7 +63,7 @@ def test_a_law_that_hangs_is_ended_by_the_limit(
     experiment = load_experiment("liu2023/fig08", [f"controller.law=tests.support.laws:{law}", "duration=5.0"])
     if mode != "headless":
         pytest.importorskip("rclpy")
-    with RunStop(signal.SIGINT, timeout=5.0) as stop:
+    with RunStop(signal.SIGINT, timeout=2.0) as stop:
         hooks = Hooks(stop.reach, stop=lambda: stop.reason, on_end=lambda reason: stop.lift())
         result = run_experiment(experiment, tmp_path / "run", mode=mode, hooks=hooks)
     assert result.end_reason == LogReader(tmp_path / "run").end_reason == "timeout"

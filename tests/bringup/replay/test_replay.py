@@ -4,24 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from space_robot_bringup.compose.composition import compose
-from space_robot_bringup.experiment.experiment import load_experiment
-from space_robot_bringup.replay.comparison import Divergence, Tolerance
-from space_robot_bringup.replay.golden import update_reference
-from space_robot_bringup.replay.recording import Code
-from space_robot_bringup.replay.replay import Replayed
-from space_robot_bringup.replay.result import Outcome
-from space_robot_control.laws.switching import Switching
-from space_robot_msgs_py.codec.codecs import LOGGED, TickCodec
-from space_robot_msgs_py.interfaces import Tick
-from space_robot_msgs_py.log.reader import LogReader
-from space_robot_msgs_py.log.writer import LogSink, LogWriter
+from space_robot_bringup.replay.comparison import Tolerance
 from space_robot_msgs_py.topics import CONTROLLER_TELEMETRY, JOINT_COMMAND
-from tests.support.replays import assert_equal, record_run, replayed
+from tests.support.replays import first, one, record_run, replayed, rewritten
 from tests.support.tool import Tool, refused
 
 SHORT = "duration=5.0"
@@ -32,30 +20,6 @@ PERIOD = 250_000_000
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Five seconds of fig08, 21 ticks."""
     return record_run(tmp_path_factory.mktemp("logs") / "fig08", "liu2023/fig08", SHORT)
-
-
-def rewritten(source: Path, place: Path, change: object = None, drop: tuple[str, ...] = (), end: str = "") -> Path:
-    """A copy of a log; ``change(stamp, parts)`` may alter the messages of a stamp, or leave it out by None."""
-    reader = LogReader(source)
-    writer = LogWriter(place, reader.header)
-    writer.write_description(reader.header.urdf)
-    for stamp, parts in reader.stamps():
-        kept = {name: raw for name, raw in parts.items() if name not in drop}
-        altered = change(stamp, kept) if callable(change) else kept
-        if altered is not None:
-            writer.write_tick(stamp, {topic: altered[topic.name] for topic in LOGGED if topic.name in altered})
-    writer.close(end or reader.end_reason or "cut")
-    return place
-
-
-def one(done: Replayed) -> Outcome:
-    (outcome,) = done.outcomes
-    return outcome
-
-
-def first(outcome: Outcome) -> Divergence:
-    assert outcome.first is not None
-    return outcome.first
 
 
 def test_another_gain_is_found_at_once_and_named(bag: Path) -> None:
@@ -156,116 +120,6 @@ def test_a_controller_without_telemetry_is_compared_by_its_commands(bag: Path, t
     assert outcome.absent == ("controller/telemetry",)
     with pytest.raises(OSError, match="nothing to compare"):
         replayed(bare, against="controller")
-
-
-def test_replay_repeats_the_missed_commands_of_a_paced_run(tmp_path: Path) -> None:
-    """Where the telemetry says that an older command acted, the fresh plant gets that one; no law is asked twice."""
-    done = replayed(run_with_losses(tmp_path / "paced", "liu2023/fig11"))
-    assert done.equal, [outcome.first for outcome in done.outcomes]
-    assert "states have no recorded answer" in done.outcomes[0].remarks[0]
-    assert "run with an older command" in done.outcomes[1].remarks[0]
-
-
-def run_with_losses(place: Path, experiment: str) -> Path:
-    """What a paced run leaves: commands that came one period late, and some that never came."""
-    composition = compose(load_experiment(experiment, [SHORT]))
-    plant, law, reference = composition.plant(), composition.controller(), composition.reference()
-    codec, writer = TickCodec(composition.joint_names), LogWriter(place, composition.header)
-    writer.write_description(composition.header.urdf)
-    sample, late = plant.reset(), None
-    for index in range(21):
-        asked = reference.at(sample.state.stamp)
-        if index % 7 == 3:
-            # No controller is there to answer, and the next one is reset.
-            law.reset_in_run()
-            row = codec.encode_unanswered(sample, asked)
-            due, late = late, None
-        else:
-            output = law.update(sample.state, asked)
-            row = codec.encode(Tick(sample, asked, output))
-            due = late if index % 7 == 2 else output.command
-            late = output.command if index % 7 in (2, 5) else None
-        writer.write_tick(sample.state.stamp, {t: raw for t, raw in zip(LOGGED, row, strict=True) if raw is not None})
-        sample = plant.step(due)
-    writer.close("completed")
-    return place
-
-
-def test_recorded_gain_changes_are_replayed(tmp_path: Path) -> None:
-    """A run in which gains were set at some state replays with them set there; without the event it differs there."""
-    bag = tuned(tmp_path / "run", {7: {"gains.damping": 0.8}, 15: {"gains.damping": 0.7}})
-    assert_equal(bag)
-    names = ("controller/events",)
-    forgotten = one(replayed(rewritten(bag, tmp_path / "forgotten", drop=names), against="controller"))
-    assert first(forgotten).stamp == 7 * PERIOD
-    other = replayed(bag, against="controller", overrides=["controller.law=none"])
-    assert "do not fit" in one(other).remarks[0]
-
-
-def test_recorded_switches_are_replayed(tmp_path: Path) -> None:
-    """A requested switch replays where it happened; scheduled ones come by themselves."""
-    bag = tuned(tmp_path / "run", {6: "ntsmc", 13: "mfac"}, "switch/mini", "controller.switches=[]")
-    assert_equal(bag)
-    assert not update_reference(replayed(bag).recording), "the same run, switches and all, is another file"
-    forgotten = rewritten(bag, tmp_path / "forgotten", drop=("controller/events",))
-    assert first(one(replayed(forgotten, against="controller"))).stamp == 6 * PERIOD
-    assert_equal(
-        record_run(tmp_path / "scheduled", "switch/mini", SHORT, "controller.switches=[{time: 2.0, to: ntsmc}]")
-    )
-
-
-def tuned(
-    place: Path,
-    changes: dict[int, Any],
-    experiment: str = "compare/mini",
-    override: str = "controller.law=computed_torque",
-) -> Path:
-    """A run whose gains are set, or whose law is switched, at some ticks."""
-    composition = compose(load_experiment(experiment, [SHORT, override]))
-    plant, law, reference = composition.plant(), composition.controller(), composition.reference()
-    sink = LogSink(place, composition.header)
-    sample = plant.reset()
-    for index in range(21):
-        if isinstance(changes.get(index), str):
-            assert isinstance(law, Switching)
-            law.switch_to(changes[index])
-        elif index in changes:
-            law.tune(changes[index])
-        asked = reference.at(sample.state.stamp)
-        output = law.update(sample.state, asked)
-        sink.record(Tick(sample, asked, output))
-        sample = plant.step(output.command)
-    sink.close("completed")
-    return place
-
-
-@pytest.mark.parametrize("law", ["gives_up", "none"])
-def test_a_run_that_ended_with_an_error_ends_so_again(tmp_path: Path, law: str) -> None:
-    """The reason of the end is compared too: the same law gives up at the same state with the same words."""
-    name = "tests.support.laws:GivesUp" if law == "gives_up" else "none"
-    bag = record_run(tmp_path / "run", "compare/mini", SHORT, f"controller.law={name}")
-    code = Code(allowed=True)
-    assert_equal_up_to_the_end(replayed(bag, code=code))
-    if law == "gives_up":
-        other = replayed(bag, against="controller", overrides=["controller.law=none"])
-        assert first(one(other)).field in ("patience", "answer")
-        forged = rewritten(bag, tmp_path / "forged", end="controller: out of fuel")
-        again = replayed(forged, against="controller", code=code)
-        assert first(one(again)).recorded == "controller: out of fuel"
-
-
-def assert_equal_up_to_the_end(done: Replayed) -> None:
-    assert [outcome.first for outcome in done.outcomes] == [None, None]
-
-
-def test_a_plant_that_broke_breaks_again(tmp_path: Path) -> None:
-    """An integration that failed in the run fails in the replay, with the same reason."""
-    broken = ("initial.angular_velocity=[1.0e14, 0, 0]", "controller.law=none")
-    bag = record_run(tmp_path / "run", "compare/mini", SHORT, *broken)
-    assert (LogReader(bag).end_reason or "").startswith("simulator: ")
-    assert_equal_up_to_the_end(replayed(bag))
-    forged = rewritten(bag, tmp_path / "forged", end="simulator: out of fuel")
-    assert first(one(replayed(forged, against="plant"))).field == "state"
 
 
 def test_replay_prints_the_verdict_and_exits_by_it(space_robot: Tool, bag: Path) -> None:

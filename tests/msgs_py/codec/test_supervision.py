@@ -32,8 +32,8 @@ def decisions(draw: st.DrawFn) -> Supervision:
     stamp = draw(st.integers(0, 10**15))
     answer = draw(st.one_of(st.just(-1), st.integers(0, stamp)))
     mode, law, reference = draw(values.texts), draw(values.texts), draw(st.sampled_from(["follow", "freeze", "here"]))
-    brakes = draw(st.booleans())
-    return Supervision(stamp, mode, law, reference, draw(st.integers(0, stamp)), answer, brakes=brakes)
+    flags = {"brakes": draw(st.booleans()), "unload": draw(st.booleans())}
+    return Supervision(stamp, mode, law, reference, draw(st.integers(0, stamp)), answer, **flags)
 
 
 @given(decisions())

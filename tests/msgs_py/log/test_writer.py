@@ -100,7 +100,7 @@ def test_kill_loses_no_tick_that_was_written(tmp_path, kill_after):
 def test_kill_between_end_and_index_leaves_the_plain_file(tmp_path, monkeypatch):
     """A run that dies while its file is indexed is whole, with its reason, and can be replaced by the next run."""
 
-    def die(incoming, outgoing, key):
+    def die(incoming, outgoing, *_):
         outgoing.write(b"half an index")
         raise KeyboardInterrupt
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +14,13 @@ pytest.importorskip("scipy")
 from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_cli.main import main
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.benchmark.knowledge import NOTHING, knowledge_of
+from space_robot_studies.benchmark.overview import overview_of
 from space_robot_studies.benchmark.page import page_of
 from space_robot_studies.benchmark.ranking import Standing, rank
 from space_robot_studies.benchmark.run import BenchmarkResult, laws_of, run_benchmark
 from space_robot_studies.benchmark.spec import load_benchmark
-from space_robot_studies.benchmark.table import read_table
+from space_robot_studies.benchmark.table import Table, read_table
 from space_robot_studies.tune.stand import make_stands
 from space_robot_studies.tune.tune import check_task
 from tests.support.paths import ROOT
@@ -42,6 +43,9 @@ SET: dict[str, Any] = {
     },
     "short": {"tasks": ["move"], "laws": ["pd"], "vary": {"control_period": [0.5]}, "rules": {"budget": 1}},
 }
+
+
+LABELS = ("known", "unknown")
 
 
 def write(folder: Path, **changes: Any) -> Path:
@@ -86,8 +90,8 @@ def test_a_custom_law_is_entered_in_the_table_of_the_others(
     with pytest.raises(SystemExit) as end:
         main()
     assert end.value.code == 0
-    rows = json.loads(table.read_text())["rows"]
-    assert rows[:4] == [dict(row) for row in whole.table.rows]
+    rows = read_table(table, load_benchmark(path)).rows
+    assert rows[:4] == whole.table.rows
     assert (rows[4]["law"], rows[4]["class"]) == ("pd_plus", law)
     assert len(rows[4]["source_sha256"]) == 64
     text = page.read_text()
@@ -104,6 +108,51 @@ def test_settled_is_said_only_where_the_reference_comes_to_rest(
     assert [row["settles"] for row in held.table.rows] == [False]
     assert "| - | - |" in page_of(held.table, {})
     assert all(row["settles"] for row in whole.table.rows)
+
+
+def test_a_further_axis_keeps_what_is_known(judged: tuple[Path, BenchmarkResult], tmp_path: Path) -> None:
+    """A value without a label is the point that was there before: same row, same table; the other one is beside it."""
+    _, whole = judged
+    wheels = {"vary": {"nominal.wheels": {"": True, "unknown": False}}}
+    path = write(tmp_path, tasks=SET["tasks"] | {"move": SET["tasks"]["move"] | wheels})
+    (tmp_path / "table.json").write_bytes((whole.directory / "table.json").read_bytes())
+    options: dict[str, Any] = {"only": ("control_period=0.5",), "tasks": ("move",), "table": tmp_path / "table.json"}
+    both = run(path, tmp_path / "both", "computed_torque", **options)
+    assert both.table.rows[:4] == whole.table.rows
+    (more,) = both.table.rows[4:]
+    assert more["point"] == {"control_period": 0.5, "nominal.wheels": "unknown"}
+    page = knowledge_of(both.table, {"move": "Move"})
+    assert "| Move |  | 0.5 | " in page
+    assert page.count("Move") == 1
+    assert knowledge_of(whole.table, {}) == f"{NOTHING}\n"
+
+
+def row(law: str, objectives: Any, **point: Any) -> dict[str, Any]:
+    """A row with these objectives."""
+    draws = [{"objective": v, "excess": None if v is None else 0.0} for v in np.asarray(objectives).tolist()]
+    return {"law": law, "task": "move", "point": point, "tuned": draws}
+
+
+def test_at_a_glance_no_law_is_before_another_that_is_not_separated() -> None:
+    """Bold are the best law and what is not separated from it; a law with a draw that ended has no rank."""
+    base = np.linspace(1.0, 2.0, 20)
+    near = base + np.where(np.arange(20) % 2, 0.011, -0.01)
+    rows = [row("a", base), row("b", near), row("c", 2 * base), row("d", np.append(base[:19], None))]
+    (line,) = [line for line in overview_of(Table({}, tuple(rows)), {}).splitlines() if line.startswith("| move")]
+    assert [cell.strip() for cell in line.split("|")[4:-1]] == ["**1**", "**1**", "2", "(1/20)"]
+
+
+def test_what_knowledge_is_worth_is_said_only_where_it_is_separated() -> None:
+    """Points that differ in what is known alone: bold apart from zero, plain if not, empty where a draw ended."""
+    base = np.linspace(1.0, 2.0, 20)
+    near = base + np.where(np.arange(20) % 2, 0.011, -0.01)
+    pairs = {"a": (base, base + 0.3), "b": (base, near), "c": (base, np.append(base[:19], None))}
+    rows = [row(law, side, load=label) for law, both in pairs.items() for label, side in zip(LABELS, both, strict=True)]
+    (line,) = [line for line in knowledge_of(Table({}, tuple(rows)), {}).splitlines() if line.startswith("| move")]
+    a, b, c = (cell.strip() for cell in line.split("|")[4:-1])
+    assert a.startswith("**0.3")
+    assert b.startswith("0.0005 [-")
+    assert c == ""
 
 
 def test_only_what_pairs_separate_is_said() -> None:

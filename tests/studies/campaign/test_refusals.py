@@ -201,7 +201,7 @@ def test_run_needs_either_an_experiment_or_a_case(
 
 def test_a_directory_of_another_campaign_is_left_alone(space_robot: Tool, tmp_path: Path) -> None:
     """Resumed are only the campaign, the number of runs and the versions a directory was begun with."""
-    from space_robot_bringup.compose.composition import versions
+    from space_robot_bringup.compose.versions import versions
     from space_robot_studies.campaign.directory import open_campaign
     from space_robot_studies.campaign.spec import load_campaign
 

@@ -13,8 +13,9 @@ from typing import Any
 
 import pytest
 
+from space_robot_bringup.modes.nursery import nursery
 from space_robot_studies.engine.local_workers import LocalWorkers
-from space_robot_studies.engine.nursery import nursery
+from space_robot_studies.engine.spawner import PRELOADED
 from space_robot_studies.engine.tasks import Task
 from tests.support.processes import descendants
 
@@ -47,7 +48,7 @@ def test_a_study_has_the_folder_and_environment_of_now_and_nothing_of_the_one_be
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What one study loads is not there in the next, which sees this process as it is; both come from one nursery."""
-    first = nursery()
+    first = nursery(PRELOADED)
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
         monkeypatch.chdir(tmp_path / folder)
@@ -55,22 +56,22 @@ def test_a_study_has_the_folder_and_environment_of_now_and_nothing_of_the_one_be
         prepared = (load, ("wave",)) if folder == "one" else None
         with LocalWorkers(1, 60.0, prepared) as pool:
             assert ask(pool, "wave", "OF_NOW") == (folder == "one", folder, str(tmp_path / folder))
-    assert nursery() is first
+    assert nursery(PRELOADED) is first
 
 
 def test_what_is_read_once_has_a_nursery_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     """A variable that numba reads as it is loaded is in force in the next study, and the old nursery is gone."""
-    first = nursery()
+    first = nursery(PRELOADED)
     monkeypatch.setenv("NUMBA_OF_NOW", "1")
     with LocalWorkers(1, 60.0) as pool:
         assert ask(pool, "wave", "NUMBA_OF_NOW")[1] == "1"
-    assert nursery() is not first
+    assert nursery(PRELOADED) is not first
     assert not first.usable
 
 
 def test_a_nursery_that_was_killed_costs_nothing_but_its_start() -> None:
     """Between two studies it may die; the next study has another one."""
-    first = nursery()
+    first = nursery(PRELOADED)
     with LocalWorkers(1, 60.0) as pool:
         ask(pool, "wave", "PATH")
     (pid,) = [pid for pid in descendants(os.getpid(), 1) if pid == first.pid]
@@ -95,9 +96,9 @@ def test_two_threads_get_their_own_answers(monkeypatch: pytest.MonkeyPatch) -> N
         asked.pop()
         return read(text)
 
-    nursery()
+    nursery(PRELOADED)
     monkeypatch.setattr(socket, "send_fds", ask_slowly)
-    monkeypatch.setattr("space_robot_studies.engine.nursery.loads", answered)
+    monkeypatch.setattr("space_robot_bringup.modes.nursery.loads", answered)
     found: list[Any] = []
 
     def study() -> None:

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from space_robot_studies.reproduce.estimate import Estimate, bootstrap, exact, less, share_of, wilson
+from space_robot_studies.intervals import wilson
+from space_robot_studies.reproduce.estimate import Estimate, bootstrap, exact, less, share_of
 from space_robot_studies.reproduce.expression import Condition, Formula
 
 WIDE = Estimate(1.0, 0.8, 1.3)

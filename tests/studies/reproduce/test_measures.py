@@ -11,8 +11,8 @@ import pytest
 
 from space_robot_bringup.experiment.experiment import load_experiment
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.intervals import wilson
 from space_robot_studies.reproduce.claims import Judgement, check_words, judge, seed_text
-from space_robot_studies.reproduce.estimate import wilson
 from space_robot_studies.reproduce.manifest import Bounds, Claim, Figure
 from space_robot_studies.reproduce.measures import FinishedRun, reduce, select, take
 from space_robot_studies.reproduce.planner import DistinctRun, PlannedRun, ReadingRuns

@@ -1,4 +1,4 @@
-"""Where the modes of a supervisor enter the simulator, whose joints have brakes that it may close."""
+"""Where the modes of a supervisor enter the simulator: brakes that it closes, wheels that it has unloaded."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from space_robot_msgs_py.nodes.base import GraphNode
 from space_robot_msgs_py.topics import SUPERVISOR_MODE
 
 
-class BrakePort:
-    """Takes note of modes, and says whether brakes are closed.
+class ModePort:
+    """Takes note of modes, and says what they have the plant do beside the controller.
 
     Args:
         node: the node to subscribe on.
@@ -22,6 +22,7 @@ class BrakePort:
 
     Attributes:
         closed: the brakes are closed by the newest mode.
+        unloads: thrusters unload the wheels in it.
         readers: its subscriptions.
     """
 
@@ -33,7 +34,7 @@ class BrakePort:
 
     def restart(self) -> None:
         """A new run: nothing was heard."""
-        self._stamp, self.closed = -1, False
+        self._stamp, self.closed, self.unloads = -1, False, False
 
     def knows(self, stamp: int) -> bool:
         """The plant may run on from the state with this stamp [ns]."""
@@ -46,5 +47,5 @@ class BrakePort:
             self._node.refuse(SUPERVISOR_MODE, error)
             return
         if found.stamp > self._stamp:
-            self._stamp, self.closed = found.stamp, found.brakes
+            self._stamp, self.closed, self.unloads = found.stamp, found.brakes, found.unload
             self._on_mode()
