@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import count
+from pathlib import Path
 from socket import AF_INET, SOCK_STREAM, socket
 
 import rclpy
@@ -18,6 +19,11 @@ from space_robot_msgs_py.errors import SpecError
 MAX_DOMAIN = 232
 # The ports of the domains above are those that outgoing connections take.
 MAX_RESERVED = 100
+
+# Where Fast DDS looks for profiles; other middlewares know none of them.
+PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+PROFILE_FILES = ("DEFAULT_FASTRTPS_PROFILES.xml", "DEFAULT_FASTDDS_PROFILES.xml")
+DISCOVERY = Path(__file__).with_name("discovery.xml")
 
 # Of this process: how many domains it has tried, and what holds those that it has.
 _TURNS = count()
@@ -40,6 +46,7 @@ def local_context(domain: int, ros_arguments: Sequence[str] = ()) -> Iterator[Co
         ros_arguments: ``--ros-args ...`` for rclpy.
     """
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    _announce_for_longer()
     context = Context()
     try:
         rclpy.init(
@@ -55,6 +62,12 @@ def local_context(domain: int, ros_arguments: Sequence[str] = ()) -> Iterator[Co
         yield context
     finally:
         context.try_shutdown()
+
+
+def _announce_for_longer() -> None:
+    """Fast DDS reads our profile, unless it is given one or would find one in the working directory."""
+    if not any(name in os.environ for name in PROFILE_VARIABLES) and not any(map(os.path.exists, PROFILE_FILES)):
+        os.environ[PROFILE_VARIABLES[0]] = str(DISCOVERY)
 
 
 @contextmanager
