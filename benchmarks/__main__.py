@@ -9,7 +9,21 @@ from pathlib import Path
 from benchmarks.machine import described
 from benchmarks.page import write_table
 
-NAMES = ("start", "plant", "adaptive", "loop", "supervision", "graph", "live", "log", "campaign", "report", "memory")
+NAMES = (
+    "start",
+    "plant",
+    "adaptive",
+    "loop",
+    "fused",
+    "supervision",
+    "graph",
+    "live",
+    "log",
+    "campaign",
+    "scheduler",
+    "report",
+    "memory",
+)
 
 
 def main() -> int:

@@ -7,9 +7,9 @@ from math import isfinite
 import numpy as np
 import pinocchio as pin
 
-from space_robot_description.kernel.arrays import robot_arrays
 from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE, inverse_dynamics
 from space_robot_description.kernel.jit import bound
+from space_robot_description.known_arrays import arrays_of
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError, SpecError
@@ -52,7 +52,7 @@ class NominalModel:
         self._data = model.createData()
         self._lower = np.tril_indices(6 + robot.n, -1)
         self._zero = np.zeros(6 + robot.n)
-        self.arrays = robot_arrays(model)
+        self.arrays = arrays_of(model)
         self._work = np.zeros((len(self.arrays.links), MOTION_SIZE))
         q, out = np.zeros(7 + robot.n), np.zeros(6 + robot.n)
         self._inverse_dynamics = bound(inverse_dynamics, self.arrays, q, out, out, self._work, out)

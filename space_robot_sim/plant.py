@@ -9,9 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_description.actuation import brake_torque, command_limit
-from space_robot_description.kernel.arrays import RobotArrays, locked_joints, robot_arrays
+from space_robot_description.kernel.arrays import RobotArrays, locked_joints
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.kernel.jit import bound
+from space_robot_description.known_arrays import arrays_of
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
@@ -124,7 +125,7 @@ class SimulatedRobot:
         self._changes = (RobotChange(0, robot), *changes)
         self._models = [self._flexible.model(one.robot) for one in self._changes]
         motors = [motor_numbers(one.robot, hidden) for one in self._changes]
-        self._robots = list(map(robot_arrays, self._models, motors))
+        self._robots = list(map(arrays_of, self._models, motors))
         self._healthy = self._arrays = self._robots[0]
         self._able = capability(robot, control_period)
         self._plan = faults or FaultPlan((), control_period, 0)

@@ -8,10 +8,15 @@ from __future__ import annotations
 import pytest
 
 pytest.importorskip("numba")
+from benchmarks.bench_fused import measured
 from benchmarks.bench_log import beside_mcap, made_ticks
 from benchmarks.bench_start import MODELS, cpu_seconds
+from space_robot_description.kernel import jit
+from space_robot_description.kernel.lanes import LANES
 
 SPARE = 2.0
+# How many times the CPU time of the loop: one compiled call, and the lanes of AVX2.
+ONE_CALL, SIDE_BY_SIDE = 3.0, 6.5
 # Commands, and how many times the CPU time of importing NumPy and pydantic they take.
 STARTS = {"--version": 1.3, "list": 2.1, "check liu2023/fig08": 4.7}
 
@@ -40,3 +45,11 @@ def test_commands_start_as_fast_beside_what_they_have_to_load() -> None:
         for name in STARTS
         if seconds[name] > SPARE * STARTS[name] * seconds[MODELS]
     } == {}
+
+
+@pytest.mark.skipif(not jit.MACHINE_CODE, reason="without a compiler every run is the loop")
+def test_runs_are_as_fast_in_one_call_and_side_by_side_beside_the_loop() -> None:
+    """Terminal sliding mode on eight joints: parts, reference and records included."""
+    ratios = measured("giordano2023/sec5", (), 300, 3)
+    assert ratios["loop over one call"] > ONE_CALL / SPARE
+    assert ratios[f"loop over {LANES} lanes"] > SIDE_BY_SIDE / SPARE

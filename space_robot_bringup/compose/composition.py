@@ -197,18 +197,19 @@ class Composition:
         return replace(found, warnings=(*found.warnings, *_delay_warnings(experiment, law)))
 
 
-def compose(experiment: Experiment, policy: LawPolicy = TYPED) -> Composition:
+def compose(experiment: Experiment, policy: LawPolicy = TYPED, load: Callable[..., Robot] = load_robot) -> Composition:
     """Build robots and provenance and check that every part can be made.
 
     Args:
         experiment: what the user wants to run.
         policy: whose code may be its laws; the default lets the experiment name any. What comes out of a log is
             composed by ``logged.compose_logged``, which makes no law.
+        load: see ``compose_world``.
 
     Raises:
         SpaceRobotError: a part refuses its input; the message names the key.
     """
-    composition = compose_world(experiment, policy)
+    composition = compose_world(experiment, policy, load)
     if experiment.controller.external and experiment.supervision is not None:
         raise SpecError("needs a law of this project", key="supervision", accepted="a run without it")
     if not experiment.controller.external:

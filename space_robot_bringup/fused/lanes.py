@@ -84,8 +84,8 @@ class _Group:
         self._reached = np.array([0 if lane < len(runs) else -1 for lane in range(LANES)], dtype=np.int64)
         self._calls = _calls(law.answer, law.note, n)
         self._space = np.zeros((LANES, 6 + n)), np.zeros(LANES, dtype=np.int64)
-        # What compiled code finds by an address has to be what it takes it for.
-        self.fits = all(kind_of(_one_run(run)) == ONE_RUN for run in runs)
+        # What compiled code finds by an address has to be what it takes it for; runs of one kind are alike in that.
+        self.fits = kind_of(_one_run(runs[0])) == ONE_RUN
 
     def completed(self) -> list[FusedRun | None]:
         """The runs, done now; None: one fails."""
@@ -101,7 +101,8 @@ class _Group:
         plants = [run.body()[1] for run in self._runs]
         for lane in range(LANES):
             self._memory.links[..., lane] = plants[lane if lane < len(plants) else 0].values.robot.links
-        crew = Crew(*map(_addresses, (contexts, plants, self._laws)), self._room.address)
+        runs, bodies, laws = map(_addresses, (contexts, plants, self._laws))
+        crew = Crew(runs, bodies, laws, self._room.address)
         arguments = crew, *self._calls, *self._space, self._runs[0].period, begin, end, self._reached
         _code(*arguments)(*arguments)
 

@@ -22,10 +22,19 @@ from space_robot_msgs_py.errors import LogError, SilenceError, SpecError
 from space_robot_msgs_py.extras import install
 from space_robot_studies.campaign.cases import check_cases, make_case
 from space_robot_studies.campaign.directory import check_directory, open_campaign, to_yaml
-from space_robot_studies.campaign.run_case import CaseResult, Keep, failure, run_case, warm
+from space_robot_studies.campaign.kinds import kind_of_case
+from space_robot_studies.campaign.run_case import (
+    CaseResult,
+    Keep,
+    failure,
+    run_case,
+    run_cases,
+    warm,
+)
 from space_robot_studies.campaign.session_laws import packed_laws
 from space_robot_studies.campaign.spec import Campaign, load_campaign
 from space_robot_studies.campaign.statistics import RATES, Group, summarise, summary_names
+from space_robot_studies.engine.groups import Grouping, run_in_groups
 from space_robot_studies.engine.hooks import StudyHooks
 from space_robot_studies.engine.journal import Journal, Row
 from space_robot_studies.engine.storage import guarded
@@ -35,6 +44,7 @@ from space_robot_studies.engine.workers import check_workers, open_workers
 if TYPE_CHECKING:
     import pandas as pd
 
+GROUPING: Grouping[CaseResult] = Grouping(lambda task: kind_of_case(task.arguments[0]), run_cases)
 TABLE, SUMMARY = "table.parquet", "summary.json"
 # What the table is made with, at the very end.
 NEEDED = ("pyarrow",)
@@ -164,8 +174,9 @@ class CheckedCampaign:
         with open_campaign(self.directory, self.campaign, versions(), time_limit) as journal:
             hooks.on_ready(len(journal.rows), total)
             began = perf_counter()
+            pending = self._pending(journal, keep)
             try:
-                for task, outcome in pool.run(self._pending(journal, keep), hooks.stop):
+                for task, outcome in run_in_groups(pool, pending, total - len(journal.rows), GROUPING, hooks.stop):
                     self._enter(journal, int(task.key), outcome)
                     hooks.on_row(len(journal.rows))
             except SilenceError as error:

@@ -16,6 +16,7 @@ from space_robot_bringup.experiment.dotted_keys import set_key
 from space_robot_bringup.experiment.experiment import Experiment, experiment_from
 from space_robot_description.frozen import plain
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
+from space_robot_studies.campaign.known_robots import known_content
 from space_robot_studies.campaign.spec import Campaign
 
 # A double holds it, so every reader of JSON does.
@@ -119,7 +120,7 @@ def check_cases(campaign: Campaign, stop: Callable[[], object] = lambda: None) -
 def _compose(campaign: Campaign, index: int) -> Composition:
     case = make_case(campaign, index)
     try:
-        return compose(case.experiment())
+        return compose(case.experiment(), load=known_content)
     except SpaceRobotError as error:
         what = f"cannot be run: {error}"
     except (Exception, SystemExit) as error:

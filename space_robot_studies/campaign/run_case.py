@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import traceback
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -19,11 +17,10 @@ from space_robot_bringup.judge.conclusion import passed
 from space_robot_bringup.judge.judging import judge_memory
 from space_robot_bringup.modes.headless import run_in_memory, write_bag
 from space_robot_control.laws.policy import TYPED
-from space_robot_description.frozen import plain
-from space_robot_description.load import load_robot
-from space_robot_description.robot import Robot
+from space_robot_description.kernel import jit
 from space_robot_msgs_py.errors import SpaceRobotError
 from space_robot_msgs_py.log.writer import MemorySink
+from space_robot_studies.campaign.known_robots import known_robot
 from space_robot_studies.campaign.session_laws import unpack_laws
 from space_robot_studies.engine.worker import bug
 
@@ -63,27 +60,70 @@ def run_case(data: Mapping[str, Any], name: str, keep: Keep) -> CaseResult:
     composition, trace = None, ""
     sink: MemorySink | FusedRun = MemorySink()
     try:
-        # Without a look at the law before: what cannot be made of it shows when it is made to run.
-        composition = compose_world(experiment_from(data, name), TYPED, _robot)
+        composition = _composed(data, name)
         sink = run_in_memory(composition)
         columns = _columns(composition, sink)
     except SpaceRobotError as error:
         columns = failure(f"error: {error}")
     except (Exception, SystemExit) as error:
         columns, trace = failure(bug(error)), traceback.format_exc()
-    wanted = keep == "all" or (keep == "failed" and columns["passed"] is False)
+    wanted = composition is not None and _kept(columns, keep)
     bag = _bag(composition, sink, name) if wanted and composition is not None else {}
     return CaseResult(columns, bag, trace, perf_counter() - began)
 
 
-def _robot(robot: str | Mapping[str, Any]) -> Robot:
-    """A robot by its name or its content, made once: a worker runs one study, whose files do not change."""
-    return _made(robot if isinstance(robot, str) else json.dumps(plain(robot)), isinstance(robot, str))
+def run_cases(cases: Sequence[tuple[Mapping[str, Any], str, Keep]]) -> list[CaseResult | None]:
+    """Run several experiments side by side where that can be; see ``run_case``.
+
+    Args:
+        cases: its arguments.
+
+    Returns:
+        Results in their order; None: only ``run_case`` can tell.
+
+    Raises:
+        LogError: a bag could not be written here.
+    """
+    if not jit.MACHINE_CODE:
+        return [None for _ in cases]
+    # Only here: it needs a compiler.
+    from space_robot_bringup.fused.lanes import compiled_runs
+
+    began = perf_counter()
+    composed = [_composed_or_none(data, name) for data, name, _ in cases]
+    runs = iter(compiled_runs([one for one in composed if one is not None]))
+    found = [
+        None if one is None else _result(one, next(runs), *case[1:]) for one, case in zip(composed, cases, strict=True)
+    ]
+    each = (perf_counter() - began) / len(cases)
+    return [None if one is None else replace(one, wall_time=each) for one in found]
 
 
-@lru_cache(maxsize=32)
-def _made(text: str, named: bool) -> Robot:
-    return load_robot(text if named else json.loads(text))
+def _composed(data: Mapping[str, Any], name: str) -> Composition:
+    """Without a look at the law before: what cannot be made of it shows when it is made to run."""
+    return compose_world(experiment_from(data, name), TYPED, known_robot)
+
+
+def _composed_or_none(data: Mapping[str, Any], name: str) -> Composition | None:
+    try:
+        return _composed(data, name)
+    except SpaceRobotError:
+        return None
+
+
+def _result(composition: Composition, sink: FusedRun | None, name: str, keep: Keep) -> CaseResult | None:
+    """What came of a run; None where it cannot be judged either."""
+    if sink is None:
+        return None
+    try:
+        columns = _columns(composition, sink)
+    except (Exception, SystemExit):
+        return None
+    return CaseResult(columns, _bag(composition, sink, name) if _kept(columns, keep) else {}, "", 0.0)
+
+
+def _kept(columns: Mapping[str, Any], keep: Keep) -> bool:
+    return keep == "all" or (keep == "failed" and columns["passed"] is False)
 
 
 def warm(data: Mapping[str, Any], laws: bytes = b"") -> None:
@@ -94,12 +134,15 @@ def warm(data: Mapping[str, Any], laws: bytes = b"") -> None:
         laws: of the program that asks, see ``packed_laws``.
     """
     unpack_laws(laws)
-    composition = compose(experiment_from(data, "first case"))
+    composition = compose(experiment_from(data, "first case"), TYPED, known_robot)
     composition.plant().reset()
-    # Only here: it loads a compiler.
+    # Only here: they load a compiler.
     from space_robot_bringup.fused.run import compiled_run
 
-    compiled_run(composition, 2)
+    if compiled_run(composition, 2) is not None:
+        from space_robot_bringup.fused.lanes import compiled_runs
+
+        compiled_runs([composition, composition], 2)
 
 
 def _columns(composition: Composition, sink: MemorySink | FusedRun) -> dict[str, Any]:

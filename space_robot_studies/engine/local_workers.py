@@ -35,6 +35,7 @@ class Busy:
 
     def overdue(self, limit: float) -> Lost | None:
         """What becomes of the task if it has used up its time; the elapsed time counts where /proc is not there."""
+        limit *= self.task.runs
         if cpu_time(self.worker.pid) - self.cpu > limit:
             return over_cpu(limit)
         return over_wall(limit) if monotonic() - self.wall > WALL_FACTOR * limit else None

@@ -25,11 +25,13 @@ class Task(Generic[Result]):
         key: names its row in a journal.
         function: of a module; workers import it.
         arguments: picklable.
+        runs: how many runs it does; each may take the time limit.
     """
 
     key: int | str
     function: Callable[..., Result]
     arguments: tuple[Any, ...]
+    runs: int = 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,8 @@ from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_description.load import load_robot
 from space_robot_msgs_py.errors import InputFileError, SilenceError, SpecError
 from space_robot_studies.campaign.directory import CAMPAIGN
+from space_robot_studies.campaign.kinds import kind_of_experiment
+from space_robot_studies.engine.groups import Grouping, run_in_groups
 from space_robot_studies.engine.hooks import StudyHooks
 from space_robot_studies.engine.journal import ROWS, RUNS, Journal, Row, bag_path, locked, open_journal
 from space_robot_studies.engine.storage import check_place, guarded
@@ -25,7 +27,7 @@ from space_robot_studies.reproduce.manifest import Figure
 from space_robot_studies.reproduce.measures import FinishedRun
 from space_robot_studies.reproduce.plan import Plan, choose_figures, load_plan
 from space_robot_studies.reproduce.planner import PlannedRun
-from space_robot_studies.reproduce.run import Job, run_job
+from space_robot_studies.reproduce.run import Job, run_job, run_jobs
 from space_robot_studies.reproduce.run_data import RunData
 from space_robot_studies.reproduce.timing import CycleTimes, time_law
 
@@ -174,7 +176,9 @@ class _Study:
         hooks.on_ready(len(data), len(self._distinct))
         reason = ""
         try:
-            for task, outcome in self._pool.run(self._pending(set(data)), self._stop):
+            pool, grouping = self._pool, Grouping(self._kind, run_jobs)
+            pending, count = self._pending(set(data)), len(self._distinct) - len(data)
+            for task, outcome in run_in_groups(pool, pending, count, grouping, self._stop):
                 data[str(task.key)] = self._enter(str(task.key), outcome)
                 hooks.on_row(len(data))
             if len(data) == len(self._distinct):
@@ -203,6 +207,9 @@ class _Study:
         for name, job in self._jobs.items():
             if name not in finished:
                 yield Task(name, run_job, (job,))
+
+    def _kind(self, task: Task[RunData]) -> Hashable | None:
+        return kind_of_experiment(self._distinct[str(task.key)].experiment)
 
     def _enter(self, name: str, outcome: RunData | Lost) -> RunData:
         digest = {"digest": self._digests[name]}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -17,6 +17,7 @@ from space_robot_bringup.fused.sink import FusedRun
 from space_robot_bringup.judge.judging import judge_memory
 from space_robot_bringup.judge.verdict import PLANT_BOUNDS
 from space_robot_bringup.modes.headless import run_in_memory, write_bag
+from space_robot_description.kernel import jit
 from space_robot_msgs_py.errors import NonFiniteError, SpaceRobotError
 from space_robot_msgs_py.log.writer import MemorySink
 from space_robot_studies.engine.worker import bug
@@ -79,6 +80,46 @@ def run_job(job: Job) -> RunData:
     except (Exception, SystemExit) as error:
         # Nothing can be measured of it, and of its log nothing is known to be whole.
         return RunData(bug(error), warnings=warnings)
+    return _finished(job, composition, sink, warnings)
+
+
+def run_jobs(jobs: Sequence[tuple[Job]]) -> list[RunData | None]:
+    """Do jobs side by side where that can be; see ``run_job``.
+
+    Args:
+        jobs: its arguments.
+
+    Returns:
+        Results in their order; None: only ``run_job`` can tell.
+
+    Raises:
+        SpaceRobotError: a log cannot be written.
+    """
+    if not jit.MACHINE_CODE:
+        return [None for _ in jobs]
+    # Only here: it needs a compiler.
+    from space_robot_bringup.fused.lanes import compiled_runs
+
+    composed = [_composed(job) for (job,) in jobs]
+    runs = iter(compiled_runs([one for one in composed if one is not None]))
+    found: list[RunData | None] = []
+    for one, (job,) in zip(composed, jobs, strict=True):
+        sink = None if one is None else next(runs)
+        if one is None or sink is None:
+            found.append(None)
+        else:
+            found.append(_finished(job, one, sink, one.review().warnings))
+    return found
+
+
+def _composed(job: Job) -> Composition | None:
+    try:
+        return compose(load_experiment(job.argument, job.overrides))
+    except SpaceRobotError:
+        return None
+
+
+def _finished(job: Job, composition: Composition, sink: MemorySink | FusedRun, warnings: tuple[str, ...]) -> RunData:
     try:
         data = _look(job, composition, sink)
     except NonFiniteError as error:

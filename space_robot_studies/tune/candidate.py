@@ -11,7 +11,8 @@ from space_robot_bringup.experiment.dotted_keys import set_key
 from space_robot_description.frozen import plain
 from space_robot_msgs_py.errors import SpecError
 from space_robot_studies.campaign.cases import make_case
-from space_robot_studies.campaign.run_case import run_case
+from space_robot_studies.campaign.kinds import kind_of_case
+from space_robot_studies.campaign.run_case import Keep, run_case, run_cases
 from space_robot_studies.campaign.spec import Campaign
 from space_robot_studies.compare.comparison import METRICS, task_numbers
 from space_robot_studies.tune.spec import Objective, TunedLaw
@@ -104,4 +105,7 @@ def experiment_of(
 
 def evaluate(experiments: Sequence[Mapping[str, Any]], judge: Judge) -> list[dict[str, Any]]:
     """Run each draw headless and read it; whatever goes wrong in a run is its result."""
-    return [judge.read(run_case(data, "tuned", "none").columns) for data in experiments]
+    cases: list[tuple[Mapping[str, Any], str, Keep]] = [(data, "tuned", "none") for data in experiments]
+    together = run_cases(cases) if len(cases) > 1 and kind_of_case(experiments[0]) else [None for _ in cases]
+    results = [run_case(*case) if one is None else one for one, case in zip(together, cases, strict=True)]
+    return [judge.read(result.columns) for result in results]

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from space_robot_bringup.compose.composition import Composition, compose
-from space_robot_bringup.experiment.experiment import load_experiment
+from space_robot_bringup.experiment.dotted_keys import set_key
+from space_robot_bringup.experiment.experiment import experiment_from, load_experiment
 from space_robot_bringup.fused.run import compiled_run
 from space_robot_bringup.fused.sink import FusedRun
 from space_robot_description.kernel import jit
 from space_robot_description.kernel.lanes import LANES
+from space_robot_description.load import load_robot
 from space_robot_sim.kernel import lanes as kernel
 from tests.support.compiled_runs import LAWS, case, different, looped
 
@@ -73,23 +75,33 @@ def test_a_run_that_fails_disturbs_no_other(groups: list[int]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "changes"),
+    ("name", "robot", "changes"),
     [
-        ("point_to_point/disturbed", []),
-        ("point_to_point/panda_gripper", []),
-        ("point_to_point/astrobee_like", []),
-        ("giordano2023/sec5", ["robot.actuators.base_torque.torque=0.05"]),
-        ("giordano2023/sec5", ["plant.integrator.rtol=1e-12", "plant.integrator.step=0.1"]),
-        ("liu2023/fig08", ["robot.actuators.joints.lag=0.05"]),
-        ("liu2023/fig08", ["plant.integrator={kind: rk4}"]),
+        ("point_to_point/disturbed", {}, []),
+        ("point_to_point/panda_gripper", {}, []),
+        ("liu2023/fig08", {"base_torque.torque": 0.05, "base_torque.momentum": 0.1}, ["duration=20.0"]),
+        ("giordano2023/sec5", {"base_force": {"kind": "thrusters", "limit": [9, 9, 9], "pwm": True}}, []),
+        ("giordano2023/sec5", {}, ["plant.integrator.rtol=1e-12", "control_period=1.0"]),
+        ("liu2023/fig08", {"joints.lag": 0.05}, []),
+        ("liu2023/fig08", {}, ["plant.integrator={kind: rk4}"]),
     ],
 )
-def test_what_acts_on_a_robot_has_the_same_bits_in_lanes(name: str, changes: list[str]) -> None:
-    """Disturbances, joints that follow others, pulses, saturation, steps that miss a tolerance, lag, other steps."""
-    starts = [[f"initial.attitude_deg=[{4 * k}, {k}, {-3 * k}]"] for k in range(LANES)]
-    compositions = [compose(load_experiment(name, [*changes, *one, "duration=10.0"])) for one in starts]
+def test_what_acts_on_a_robot_has_the_same_bits_in_lanes(
+    name: str, robot: dict[str, Any], changes: list[str], groups: list[int]
+) -> None:
+    """Disturbances, joints that follow others, full wheels, pulses, steps that miss a tolerance, lag, other steps."""
+    compositions = []
+    for k in range(LANES):
+        start = [f"initial.attitude_deg=[{4 * k}, {k}, {-3 * k}]", "duration=10.0", *changes]
+        data = load_experiment(name, start).model_dump(mode="json")
+        data["robot"] = dict(load_robot(data["robot"]).resolved)
+        for key, value in robot.items():
+            set_key(data, f"robot.actuators.{key}", value, "robot")
+        compositions.append(compose(experiment_from(data, name)))
     for run, composition in zip(compiled_runs(compositions), compositions, strict=True):
         same(run, composition)
+    # Adaptive steps and others than the default ones are not those of the neighbours.
+    assert groups == ([] if "joints.lag" in robot or "kind: rk4" in str(changes) else [LANES])
 
 
 def test_lanes_beside_each_other_are_lanes() -> None:
