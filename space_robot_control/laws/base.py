@@ -145,6 +145,9 @@ class Law(Tunable, ABC):
         """
         return None
 
+    def prepare(self) -> None:
+        """Load or compile what ``compute`` calls; a node does it first, for its first answer is due within a period."""
+
     def review(self, path: Sequence[Reference]) -> Review:
         """Judge these gains at this period for this robot along a path, before the run; by default nothing is found.
 

@@ -78,6 +78,10 @@ class Answering:
         self._answer = answer
         self._code: Function | None = None
 
+    def prepare(self) -> None:
+        """Load or compile what is called, which the first call does else."""
+        self._code = self._code or bound(self._answer, 0, *answer_example(self._joints, self._size))
+
     def __call__(
         self, context: Context, state: RobotState, reference: Reference, wheels: Vector
     ) -> tuple[int, Vector, Vector]:
@@ -89,8 +93,8 @@ class Answering:
             reference: of the same stamp.
             wheels: (3,) momentum of the nominal wheels, body frame [N m s].
         """
-        if self._code is None:
-            self._code = bound(self._answer, context.address, *answer_example(self._joints, self._size))
+        self.prepare()
+        assert self._code is not None
         u, row = np.empty(6 + self._joints), np.empty(self._size)
         measured = state.q, state.v, state.effort, state.base_acceleration
         status = self._code(context.address, *measured, wheels, reference.q, reference.v, reference.a, u, row)

@@ -65,6 +65,10 @@ class RatesToZero(Law):
         """Go on with another rate."""
         self.room.rate[0] = gains.rate
 
+    def prepare(self) -> None:
+        """Compile the answer."""
+        self._answer.prepare()
+
     def compiled(self) -> CompiledLaw:
         """The law for compiled runs."""
         return self._form

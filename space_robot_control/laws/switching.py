@@ -147,6 +147,11 @@ class Switching(Law):
         if target is not None:
             self.switch_to(str(target))
 
+    def prepare(self) -> None:
+        """Of all laws: the next one is needed at once."""
+        for law in self._laws.values():
+            law.prepare()
+
     def review(self, path: Sequence[Reference]) -> Review:
         """What each of the laws finds."""
         reviews = [law.review(path) for law in self._laws.values()]

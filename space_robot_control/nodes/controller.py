@@ -92,6 +92,7 @@ class ControllerNode(ManagedNode):
     def configure(self) -> None:
         """Build the law; states that come before it is activated wait."""
         self._law = self._make_law()
+        self._law.prepare()
         self._law.reset()
         for changes in self._tuned:
             self._law.tune(changes)

@@ -96,6 +96,10 @@ class ComputedTorque(Law):
         rule = TorqueRule(wn * wn, 2.0 * gains.damping * wn, self.model.mass, floating, gyroscopic)
         self._context = context_of(TorqueContext(rule, self._memory, self.model.arrays), keep)
 
+    def prepare(self) -> None:
+        """Compile the answer."""
+        self._answer.prepare()
+
     def compiled(self) -> CompiledLaw:
         """The law for compiled runs."""
         return CompiledLaw(answer, self._context, self._row)

@@ -130,6 +130,10 @@ class ModelFree(Law):
         self._response: Vector | None = None
         self._begun = False
 
+    def prepare(self) -> None:
+        """Compile the answer."""
+        self._answer.prepare()
+
     def compiled(self) -> CompiledLaw | None:
         """The law with Phi(1) from the nominal robot, which is known at the first state."""
         if self._identification.ticks or self.gains.adjust:

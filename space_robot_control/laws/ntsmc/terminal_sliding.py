@@ -105,6 +105,10 @@ class TerminalSliding(Law):
         self.memory.angles[:] = 0.0
         self.memory.angles[ACTUAL] = self.start
 
+    def prepare(self) -> None:
+        """Compile the answer."""
+        self._answer.prepare()
+
     def compiled(self) -> CompiledLaw | None:
         """The law without its observer, which is Python."""
         return None if self.gains.disturbance_observer else CompiledLaw(kernel.answer, self._context, self.layout)

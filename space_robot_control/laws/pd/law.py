@@ -95,6 +95,10 @@ class ProportionalDerivative(Law):
         self._sensing.reset()
         self._begun = False
 
+    def prepare(self) -> None:
+        """Compile the answer."""
+        self._answer.prepare()
+
     def compiled(self) -> CompiledLaw:
         """The law for compiled runs."""
         return CompiledLaw(answer, self._context, self.layout, start=self._begin)
