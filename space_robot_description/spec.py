@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast,
 import numpy as np
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -31,7 +32,10 @@ else:
     # It has no public name.
     ModelMetaclass = type(BaseModel)
 
-Title = Annotated[str, Field(max_length=TITLE_LENGTH.most)]
+# ``title:`` with nothing behind it, and an empty parameter of a node, are no text, not a wrong one.
+Title = Annotated[
+    str, BeforeValidator(lambda value: "" if value is None else value), Field(max_length=TITLE_LENGTH.most)
+]
 Three = Annotated[tuple[float, ...], Field(min_length=3, max_length=3)]
 PerJoint = float | tuple[float, ...] | dict[str, float]
 

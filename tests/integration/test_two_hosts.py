@@ -140,7 +140,7 @@ def test_lock_step_waits_for_the_link_and_loses_nothing(hosts: TwoHosts, tmp_pat
 
 def test_a_paced_run_holds_while_the_link_is_down_and_recovers(hosts: TwoHosts, tmp_path: Path) -> None:
     """Without commands the motors get the hold, zero here; with the link they come back and the robot follows again."""
-    run_with_outage(hosts, tmp_path / "run", 20, "--realtime", str(PACE), "--set", "duration=35.0")
+    run_with_outage(hosts, tmp_path / "run", 40, "--realtime", str(PACE), "--set", "duration=60.0")
     log = LogReader(tmp_path / "run")
     codec = TickCodec(log.header.joint_names)
     rows = [parts for _, parts in log.stamps()]
