@@ -167,7 +167,8 @@ def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Ca
 
     def poll() -> None:
         if (reason := stop.reason) is not None:
-            node.end(reason)
+            # Fast DDS 2.14 may block for seconds in what is published when a reader was killed: the log comes first.
+            node.end(reason, say=not tether.bereaved)
         for watch in watches:
             watch()
 
@@ -178,12 +179,13 @@ def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Ca
             spin(executor, node)
     except Interrupted as interruption:
         # Out of a law that did not come back; asking for the reason tells that it was heard.
-        node.end(stop.reason or interruption.reason)
+        node.end(stop.reason or interruption.reason, say=not tether.bereaved)
     stop.ending()
     reason = node.end_reason or "failed"
     tether.tell(end=reason)
     if isinstance(node, RecorderNode):
         tether.tell(logged=drain(executor, node, reason))
+    node.say_end()
     if log:
         node.get_logger().info(f"the run has ended: {reason}")
     begun = monotonic()

@@ -90,6 +90,7 @@ class GraphNode(Node):  # type: ignore[misc]
         self.parameters = NodeParameters(self, self.tune)
         self.parameters.declare(rows)
         self.end_reason: str | None = None
+        self._unsaid: bytes | None = None
         self.over = Future()
         self.failure: Exception | None = None
         self.runs: dict[str, int] = {}
@@ -157,12 +158,25 @@ class GraphNode(Node):  # type: ignore[misc]
         self._readers[topic] = reader
         return reader
 
-    def end(self, reason: str) -> None:
-        """Tell the whole graph that the run is over, and why; the first reason counts."""
+    def end(self, reason: str, *, say: bool = True) -> None:
+        """Tell the whole graph that the run is over, and why; the first reason counts.
+
+        Args:
+            reason: of the end.
+            say: tell the graph now; else it is left to ``say_end``.
+        """
         if self.end_reason is None:
             self._hear_end(reason)
             run = next(reversed(self.runs), "")
-            self._end_publisher.publish(encode_end(RunEnd(run, self.get_fully_qualified_name(), reason)))
+            self._unsaid = encode_end(RunEnd(run, self.get_fully_qualified_name(), reason))
+            if say:
+                self.say_end()
+
+    def say_end(self) -> None:
+        """Tell the whole graph what ``end`` was not to say yet."""
+        if self._unsaid is not None:
+            self._end_publisher.publish(self._unsaid)
+            self._unsaid = None
 
     def fail(self, error: Exception) -> None:
         """Keep the error that stopped this node, log it once and end the run with it."""

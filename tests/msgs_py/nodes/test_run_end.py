@@ -65,3 +65,20 @@ def test_an_end_of_another_run_ends_nothing(pair: tuple[GraphNode, GraphNode, Un
     end.publish(encode_end(RunEnd("ours", "/simulator", "completed")))
     until(lambda: listener.end_reason)
     assert listener.end_reason == "completed"
+
+
+def test_an_end_may_be_said_later(pair: tuple[GraphNode, GraphNode, Until]) -> None:
+    """A node that closes a log first has its reason at once, says it when asked, and once."""
+    speaker, listener, until = pair
+    speaker.publisher(RUN_BEGIN).publish(encode_begin(RunBegin("ours", 0)))
+    until(lambda: "ours" in speaker.runs and "ours" in listener.runs)
+    speaker.end("a process died", say=False)
+    speaker.end("another reason")
+    for _ in range(5):
+        until(lambda: True)
+    assert (speaker.end_reason, listener.end_reason) == ("a process died", None)
+    speaker.say_end()
+    until(lambda: listener.end_reason)
+    speaker.say_end()
+    assert listener.end_reason == "a process died"
+    assert not speaker.refusals | listener.refusals
