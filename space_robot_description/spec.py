@@ -34,7 +34,7 @@ else:
 
 # ``title:`` with nothing behind it, and an empty parameter of a node, are no text, not a wrong one.
 Title = Annotated[
-    str, BeforeValidator(lambda value: "" if value is None else value), Field(max_length=TITLE_LENGTH.most)
+    str, Field(max_length=TITLE_LENGTH.most), BeforeValidator(lambda value: "" if value is None else value)
 ]
 Three = Annotated[tuple[float, ...], Field(min_length=3, max_length=3)]
 PerJoint = float | tuple[float, ...] | dict[str, float]
