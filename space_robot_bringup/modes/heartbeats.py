@@ -5,11 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import monotonic
 
+from space_robot_bringup.ends import of_process
 from space_robot_bringup.modes.tether import ChildEnd
 
 BEAT_SECONDS = 0.2
 # Longer than any process of a busy machine is kept from running, and than a garbage collection takes.
 SILENT_SECONDS = 5.0
+
+
+def silence_of(role: str) -> str:
+    """The reason where a process was silent for ``SILENT_SECONDS``."""
+    return of_process(role, f"was silent for {SILENT_SECONDS:g} s")
 
 
 def beating(tether: ChildEnd) -> Callable[[], None]:

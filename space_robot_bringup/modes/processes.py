@@ -17,7 +17,7 @@ from space_robot_bringup.ends import of_process
 from space_robot_bringup.modes.chaos import Blow, plan
 from space_robot_bringup.modes.context import reservations, reserved_domain
 from space_robot_bringup.modes.forked import ForkedProcess
-from space_robot_bringup.modes.heartbeats import SILENT_SECONDS, Heartbeats
+from space_robot_bringup.modes.heartbeats import Heartbeats, silence_of
 from space_robot_bringup.modes.hooks import roles_of
 from space_robot_bringup.modes.starting import prepare_nodes, start_node
 from space_robot_bringup.modes.tether import CLOSING_SECONDS, ParentEnd
@@ -206,7 +206,7 @@ class _NodeProcesses:
         for role in self._beats.silent():
             if role in CONTROLLERS and not self._has_another(role):
                 continue
-            self._causes[role] = of_process(role, f"was silent for {SILENT_SECONDS:g} s")
+            self._causes[role] = silence_of(role)
             self._beats.forget(role)
             self._children[role].kill()
 

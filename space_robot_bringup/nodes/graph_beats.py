@@ -6,7 +6,7 @@ from collections.abc import Callable
 from math import inf
 from time import monotonic
 
-from space_robot_bringup.modes.heartbeats import BEAT_SECONDS, SILENT_SECONDS, Heartbeats
+from space_robot_bringup.modes.heartbeats import BEAT_SECONDS, Heartbeats, silence_of
 from space_robot_bringup.modes.hooks import SUPERVISOR
 from space_robot_msgs_py.codec.codecs import decode_string, encode_string
 from space_robot_msgs_py.errors import LayoutError
@@ -47,7 +47,7 @@ class GraphBeats:
             self._publisher.publish(encode_string(self._role))
         silent = self._beats.silent()
         if silent and self._node.begun and self._node.end_reason is None:
-            reason = f"{silent[0]}: its process was silent for {SILENT_SECONDS:g} s"
+            reason = silence_of(silent[0])
             self._node.get_logger().error(reason)
             self._node.end(reason)
 

@@ -78,9 +78,11 @@ class Answering:
         self._answer = answer
         self._code: Function | None = None
 
-    def prepare(self) -> None:
-        """Load or compile what is called, which the first call does else."""
-        self._code = self._code or bound(self._answer, 0, *answer_example(self._joints, self._size))
+    def prepare(self) -> Function:
+        """Load or compile what is called, which the first call does else, and return it."""
+        if self._code is None:
+            self._code = bound(self._answer, 0, *answer_example(self._joints, self._size))
+        return self._code
 
     def __call__(
         self, context: Context, state: RobotState, reference: Reference, wheels: Vector
@@ -93,9 +95,8 @@ class Answering:
             reference: of the same stamp.
             wheels: (3,) momentum of the nominal wheels, body frame [N m s].
         """
-        self.prepare()
-        assert self._code is not None
+        code = self._code or self.prepare()
         u, row = np.empty(6 + self._joints), np.empty(self._size)
         measured = state.q, state.v, state.effort, state.base_acceleration
-        status = self._code(context.address, *measured, wheels, reference.q, reference.v, reference.a, u, row)
+        status = code(context.address, *measured, wheels, reference.q, reference.v, reference.a, u, row)
         return status, u, row

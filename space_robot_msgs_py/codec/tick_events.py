@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.events import ControllerEvent, DiagnosticEvent
 from space_robot_msgs_py.interfaces import PlantSample, Telemetry
 from space_robot_msgs_py.topics import CONTROLLER_EVENTS, EVENTS, FAULTS, HOUSEKEEPING, PLANT_EVENTS, Topic
+
+E = TypeVar("E", ControllerEvent, DiagnosticEvent)
 
 # The topics of what happens, in the order of a tick: to the robot, to its commands, and what a supervisor finds.
 DIAGNOSTICS: tuple[Topic, ...] = (FAULTS, PLANT_EVENTS, EVENTS)
@@ -29,11 +32,7 @@ def events_of(parts: Mapping[str, bytes], stamp: int) -> tuple[ControllerEvent, 
     Raises:
         LayoutError: the message is unreadable, or of another stamp.
     """
-    raw = parts.get(CONTROLLER_EVENTS.name)
-    events = () if raw is None else decode_events(raw)
-    if events:
-        check_stamp(CONTROLLER_EVENTS, stamp, events[0].stamp)
-    return events
+    return _decoded(CONTROLLER_EVENTS, parts, stamp, decode_events)
 
 
 def encode_tick_housekeeping(codec: TelemetryCodec, stamp: int, summary: Telemetry | None) -> bytes:
@@ -71,8 +70,14 @@ def plant_events(sample: PlantSample) -> list[tuple[Topic, tuple[DiagnosticEvent
 
 def statuses_of(topic: Topic, parts: Mapping[str, bytes], stamp: int) -> tuple[DiagnosticEvent, ...]:
     """The events of a tick on one topic of ``DIAGNOSTICS``; see ``diagnostics_of``."""
+    return _decoded(topic, parts, stamp, decode_statuses)
+
+
+def _decoded(
+    topic: Topic, parts: Mapping[str, bytes], stamp: int, decode: Callable[[bytes], tuple[E, ...]]
+) -> tuple[E, ...]:
     raw = parts.get(topic.name)
-    events = () if raw is None else decode_statuses(raw)
+    events = () if raw is None else decode(raw)
     if events:
         check_stamp(topic, stamp, events[0].stamp)
     return events

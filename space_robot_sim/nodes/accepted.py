@@ -68,10 +68,10 @@ class AcceptedCommands:
     def add_too_late(self, command: Command, parts: Sequence[bytes], awaited: int) -> None:
         """Paced: a command that can act no more, of which a replay has to know that its state was answered.
 
-        Of two controllers it is refused: the one that sent it begins a turn anew after the ``awaited`` state [ns].
+        Of two controllers it is refused: the one that sent it begins its turn again after the ``awaited`` state [ns].
         """
         if self.turns is not None:
-            self.turns.begin_anew(awaited)
+            self.turns.restart_turn(awaited)
             self._publish(Accepted(command.stamp, None, too_late=True))
             return
         self._remember(command.stamp, command, parts)

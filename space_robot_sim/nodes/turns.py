@@ -18,8 +18,8 @@ class Turns:
     period at which it began. An answer to any other state is refused, from either of them; so the answers that count
     are, by their stamps, those of one turn after those of another one.
 
-    Where an answer comes too late to act, its controller begins a turn anew, with the state after the one that waits:
-    it learns so, before it answers that state, that its law remembers what the run does not.
+    Where an answer comes too late to act, its controller begins its turn again, with the state after the one that
+    waits: it learns so, before it answers that state, that its law remembers what the run does not.
 
     Args:
         periods: of silence, after which the other one takes over.
@@ -59,7 +59,7 @@ class Turns:
         if self._silent >= self._allowed:
             self._begin(CONTROLLERS[CONTROLLERS[0] == self.acting], stamp, PATIENCE * self._periods)
 
-    def begin_anew(self, awaited: int) -> None:
+    def restart_turn(self, awaited: int) -> None:
         """An answer of the one that acts came too late, while the state of this stamp [ns] waits."""
         self._begin(self.acting, awaited, self._periods)
 

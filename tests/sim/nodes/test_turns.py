@@ -58,7 +58,7 @@ def test_states_are_answered_in_their_order() -> None:
 def test_an_answer_that_comes_too_late_begins_the_turn_anew() -> None:
     """Its controller acts still, from the state on before which it hears of that."""
     turns = turns_after(3, 1, 0, 0)
-    turns.begin_anew(3 * PERIOD)
+    turns.restart_turn(3 * PERIOD)
     assert (turns.acting, turns.since, turns.answered) == ("controller", 4 * PERIOD, 1)
     for tick in (3, 4):
         turns.pass_by(tick * PERIOD)
