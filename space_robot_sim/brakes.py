@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import exp
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +11,7 @@ import pinocchio as pin
 from space_robot_description.kernel.arrays import RobotArrays, locked_joints, with_locked_joints
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp, tanh
 from space_robot_sim.flexible.springs import DAMPING, STIFFNESS
 from space_robot_sim.kernel.period import PlantMemory
 from space_robot_sim.kernel.rhs import COULOMB, COULOMB_VELOCITY, LAG, STORED, VISCOUS
@@ -149,7 +149,7 @@ def _applied(plant: PlantMemory, motors: Vector, v: Vector, period: float) -> Ve
             late = lag * (1.0 - exp(-period / lag)) / period
             out[6 + joint] += (plant.motors[joint] - out[6 + joint]) * late
         out[6 + joint] -= motors[joint, VISCOUS] * rate
-        out[6 + joint] -= motors[joint, COULOMB] * np.tanh(rate / motors[joint, COULOMB_VELOCITY])
+        out[6 + joint] -= motors[joint, COULOMB] * tanh(rate / motors[joint, COULOMB_VELOCITY])
     if plant.springs.size:
         out[6:] -= plant.springs[:, STIFFNESS] * plant.y[7 : 7 + n] + plant.springs[:, DAMPING] * v[6:]
     return out

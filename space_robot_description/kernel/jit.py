@@ -16,6 +16,7 @@ import numpy as np
 from space_robot_description.kernel.choice import interpreted
 from space_robot_description.kernel.light_numba import without_scipy
 from space_robot_description.kernel.turns import Turns
+from space_robot_msgs_py.kernel import elementary
 
 try:
     if interpreted():
@@ -41,6 +42,12 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _IMPORT = re.compile(r"^\s*(?:from|import)\s+([\w.]+\.kernel)\b", re.MULTILINE)
 # Kernel functions own no memory, arrays come from the caller: without reference counts (_nrt) they run a third faster.
 _OPTIONS = {"fastmath": False, "error_model": "numpy", "_nrt": False}
+
+if MACHINE_CODE:
+    from numba.extending import register_jitable
+
+    for _function in elementary.FUNCTIONS:
+        register_jitable(**_OPTIONS)(_function)
 
 
 def kernel(function: Function) -> Function:

@@ -159,7 +159,9 @@ class SensorNoise(SensorFault):
         """One draw of noise more."""
         size = self.errors(now.value)
         own = _full(now.noise, size)
-        sigma = own * sqrt(self.factor**2 - 1.0) if self.factor is not None else _full(self.sigma or 0.0, size)
+        sigma = (
+            own * sqrt(self.factor * self.factor - 1.0) if self.factor is not None else _full(self.sigma or 0.0, size)
+        )
         return self.shifted(now.value, sigma * now.rng.standard_normal(size))
 
 

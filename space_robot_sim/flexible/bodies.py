@@ -133,7 +133,7 @@ def _sliding(spec: Slosh) -> Iterator[HiddenJoint]:
 def _spring(spec: SpringBody, inertia: float) -> tuple[float, float]:
     """Stiffness and damping of an oscillation of this inertia, its link being held."""
     omega = 2.0 * pi * spec.frequency
-    return inertia * omega**2, 2.0 * spec.damping * omega * inertia
+    return inertia * (omega * omega), 2.0 * spec.damping * omega * inertia
 
 
 def _link(robot: Robot, body: HiddenBody) -> tuple[int, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, inf, radians
+from math import inf, radians
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from space_robot_control.laws.adaptive.gains import AdaptiveGains
 from space_robot_control.laws.adaptive.kernel.answer import UpdateRule
 from space_robot_control.laws.adaptive.least_squares import MAX_GROWTH
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp
 
 
 def update_rule(gains: AdaptiveGains, period: float, prior: Vector) -> UpdateRule:
@@ -29,7 +30,7 @@ def update_rule(gains: AdaptiveGains, period: float, prior: Vector) -> UpdateRul
         tracks=int(gains.update in ("lyapunov", "composite")),
         keep=exp(-rls.bandwidth * period),
         step=step,
-        gain=step * (size + gains.tracking.floor) ** 2,
+        gain=step * (size + gains.tracking.floor) * (size + gains.tracking.floor),
         spread=spread,
         trace=trace,
         largest=MAX_GROWTH * trace,

@@ -87,7 +87,7 @@ class ProportionalDerivative(Law):
     def retune(self, gains: Gains) -> None:
         """Go on with another bandwidth or damping."""
         self._wn = expand(gains.bandwidth, self.channels.names, "controller.gains.bandwidth")
-        self._numbers.kp[:], self._numbers.kd[:] = self._wn**2, 2.0 * gains.damping * self._wn
+        self._numbers.kp[:], self._numbers.kd[:] = self._wn * self._wn, 2.0 * gains.damping * self._wn
 
     def reset(self) -> None:
         """Forget filter and response."""
