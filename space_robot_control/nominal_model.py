@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE, inverse_dynamics
 from space_robot_description.kernel.jit import bound
+from space_robot_description.kernel.linear import times
 from space_robot_description.known_arrays import arrays_of
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.robot import Robot
@@ -78,7 +79,7 @@ class NominalModel:
             q: (7+n,) configuration [m, -, rad].
         """
         m = self.mass_matrix(q)
-        out: Vector = m[3:, 3:] - m[3:, :3] @ m[:3, 3:] / self.mass
+        out: Vector = m[3:, 3:] - times(m[3:, :3], m[:3, 3:]) / self.mass
         return out
 
     def actuated_mass_matrix(self, q: Vector) -> Vector:

@@ -9,6 +9,7 @@ import numpy as np
 from space_robot_control.command_limits import CommandLimits
 from space_robot_control.kernel.wheels import Wheels, apply_to_wheels
 from space_robot_description.kernel.jit import bound
+from space_robot_description.kernel.linear import times
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import cross
 from space_robot_description.spec import ReactionWheels
@@ -83,7 +84,7 @@ class WheelMomentum:
         self.measured = None
         if momentum is None or not self.present:
             return
-        self.numbers.stored[:] += self.numbers.able.share @ (momentum - self.numbers.momentum)
+        self.numbers.stored[:] += times(self.numbers.able.share, momentum - self.numbers.momentum)
         self.numbers.momentum[:] = momentum
         if self._begun is not None:
             before, seconds = self._begun
@@ -103,4 +104,4 @@ class WheelMomentum:
     def _refill(self) -> None:
         self.numbers.stored[:] = self._initial
         if self.present:
-            self.numbers.momentum[:] = self._initial @ self.numbers.able.axes.T
+            self.numbers.momentum[:] = times(self.numbers.able.axes, self._initial)

@@ -10,6 +10,7 @@ import pinocchio as pin
 from pydantic import Field, NonNegativeFloat, model_validator
 
 from space_robot_description.inertia import inertial_parameters, is_consistent
+from space_robot_description.kernel.linear import dot
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Actuators, IdealTorque, ReactionWheels, Strict, Thrusters
 from space_robot_description.validation import nearest
@@ -175,7 +176,7 @@ def _draw_parameters(nominal: Vector, chosen: dict[str, Spread], rng: np.random.
 
 def _parameters(mass: float, com: Vector, inertia: Vector) -> Vector:
     """Ten parameters without `pin.Inertia`, whose constructor refuses what `keep` must let pass."""
-    about_origin = inertia + mass * (com @ com * np.eye(3) - np.outer(com, com))
+    about_origin = inertia + mass * (dot(com, com) * np.eye(3) - np.outer(com, com))
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = about_origin
     return np.array([mass, *(mass * com), ixx, ixy, iyy, ixz, iyz, izz])
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.kernel.linear import solve, times
 from space_robot_msgs_py.errors import InertiaError
 from space_robot_msgs_py.interfaces import Vector
 
@@ -40,7 +41,7 @@ def reduced_mass_matrix(model: Any, joints: Vector) -> Vector:
         joints: (n,) positions; the pose of the base does not matter [rad or m].
     """
     full = mass_matrix(model, np.concatenate([pin.neutral(model)[:7], joints]))
-    reduced: Vector = full[3:, 3:] - full[3:, :3] @ np.linalg.solve(full[:3, :3], full[:3, 3:])
+    reduced: Vector = full[3:, 3:] - times(full[3:, :3], solve(full[:3, :3], full[:3, 3:]))
     return reduced
 
 

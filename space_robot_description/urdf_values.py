@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.kernel.linear import norm
 from space_robot_description.spec import MAX_MAGNITUDE
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
@@ -124,7 +125,7 @@ def axis_of(joint: ET.Element, key: str) -> Vector:
         SpecError: not three finite numbers, or no direction.
     """
     axis = numbers(joint.find("axis"), "xyz", "1 0 0", key)
-    length = float(np.linalg.norm(axis))
+    length = norm(axis)
     if length < 1e-6:
         raise SpecError("axis has no direction", key=key, value=axis.tolist(), accepted="a vector of length 1")
     # An axis of length 1 is left alone: dividing by 1 + 1e-16 would make x, y, z axes into general ones.

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from space_robot_description.kernel.arrays import RobotArrays, locked_joints, with_locked_joints
+from space_robot_description.kernel.linear import dot, solve, times
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.elementary import exp, tanh
@@ -78,7 +79,7 @@ class JointBrakes:
             if not lacks[worst] > 0.0:
                 break
             held[worst] = False
-        work = float(0.5 * (after @ mass @ after - v @ mass @ v)) if after is not v else 0.0
+        work = 0.5 * (dot(after, times(mass, after)) - dot(v, times(mass, v))) if after is not v else 0.0
         return Braked(self._arrays(robot, held, motors), held & (torque > 0.0), after, work)
 
     def _arrays(self, robot: RobotArrays, held: Joints, motors: Vector) -> RobotArrays:
@@ -103,7 +104,7 @@ def stop(model: Any, q: Vector, v: Vector, held: npt.NDArray[Any]) -> tuple[Vect
     """
     mass = mass_matrix(model, q)
     after, _ = _stopped(mass, v, held != 0)
-    return after, float(0.5 * (after @ mass @ after - v @ mass @ v))
+    return after, 0.5 * (dot(after, times(mass, after)) - dot(v, times(mass, v)))
 
 
 def _keeping(model: Any, mass: Vector, q: Vector, v: Vector, held: Joints, applied: Vector) -> Vector:
@@ -111,9 +112,9 @@ def _keeping(model: Any, mass: Vector, q: Vector, v: Vector, held: Joints, appli
     rows, free = 6 + np.flatnonzero(held), np.ones(v.size, dtype=bool)
     free[rows] = False
     bias = pin.nonLinearEffects(model, model.createData(), q, v)
-    acceleration = np.linalg.solve(mass[np.ix_(free, free)], (applied - bias)[free])
+    acceleration = solve(mass[np.ix_(free, free)], (applied - bias)[free])
     out = np.zeros(held.size)
-    out[rows - 6] = mass[np.ix_(rows, free)] @ acceleration + (bias - applied)[rows]
+    out[rows - 6] = times(mass[np.ix_(rows, free)], acceleration) + (bias - applied)[rows]
     return out
 
 
@@ -128,9 +129,9 @@ def _stopped(mass: Vector, v: Vector, held: Joints) -> tuple[Vector, Vector]:
         return v, out
     picks = np.zeros((rows.size, v.size))
     picks[np.arange(rows.size), rows] = 1.0
-    response = np.linalg.solve(mass, picks.T)
-    impulse = -np.linalg.solve(picks @ response, v[rows])
-    after = v + response @ impulse
+    response = solve(mass, picks.T)
+    impulse = -solve(times(picks, response), v[rows])
+    after = v + times(response, impulse)
     after[rows] = 0.0
     out[rows - 6] = impulse
     return after, out

@@ -12,6 +12,7 @@ from space_robot_description.actuation import brake_torque, command_limit
 from space_robot_description.kernel.arrays import RobotArrays, locked_joints
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.kernel.jit import bound
+from space_robot_description.kernel.linear import times
 from space_robot_description.known_arrays import arrays_of
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
@@ -323,7 +324,7 @@ class SimulatedRobot:
     def _show(self, acting: Acting) -> PlantSample:
         plant, gauges = self._memory, self._memory.gauges
         q, v = self._flexible.measured(plant.y)
-        wheels = self._able.axes @ plant.wheels if self._reads_wheels else None
+        wheels = times(self._able.axes, plant.wheels) if self._reads_wheels else None
         truth = RobotState(self._stamp, q, v, plant.effort[: self._visible], gauges[4:], wheels)
         state, telemetry = (
             self._sensors.measure(truth),

@@ -12,6 +12,7 @@ from space_robot_control.references.profile import in_body, nanoseconds, quintic
 from space_robot_control.references.rows import identity_of
 from space_robot_control.references.spec import HarmonicSpec, Wave, Waves
 from space_robot_control.references.targets import check_limits, configuration
+from space_robot_description.kernel.linear import times
 from space_robot_description.kernel.rows import sincos_rows
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy, rpy_rates, to_rpy
@@ -76,7 +77,7 @@ class Harmonic:
         ddwave = -self._omega * self._omega * wave
         # Rows: the waves and their derivatives; the ramp comes in by the product rule for (r f), (r f)', (r f)''.
         product_rule = np.array(((ramp, 0.0, 0.0), (rise, ramp, 0.0), (bend, 2.0 * rise, ramp)))
-        channels = product_rule @ np.array((wave, dwave, ddwave)) @ self._mix
+        channels = times(times(product_rule, np.array((wave, dwave, ddwave))), self._mix)
         channels[0] += self._center
         return cast("list[list[float]]", channels.tolist())
 

@@ -8,6 +8,7 @@ from typing import cast
 
 import numpy as np
 
+from space_robot_description.kernel.linear import solve, times
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -68,7 +69,7 @@ def piece_at(piece: Vector, t: float, span: float) -> list[list[float]]:
         (0.0, 1.0 / span, 2.0 * t / span, 3.0 * t2 / span, 4.0 * t3 / span, 5.0 * t2 * t2 / span),
         (0.0, 0.0, 2.0 / (span * span), 6.0 * t / (span * span), 12.0 * t2 / (span * span), 20.0 * t3 / (span * span)),
     )
-    return cast("list[list[float]]", (np.array(powers) @ piece).tolist())
+    return cast("list[list[float]]", times(np.array(powers), piece).tolist())
 
 
 def _inner_derivatives(spans: Vector, points: Vector) -> tuple[Vector, Vector]:
@@ -101,7 +102,7 @@ def _inner_derivatives(spans: Vector, points: Vector) -> tuple[Vector, Vector]:
         right[2 * i + 1] = -360.0 * (ahead / (h2 * h2) + back / (g2 * g2))
     for row in (0, 1, 2 * m - 2, 2 * m - 1):
         system[row, row] = 1.0
-    solution = np.linalg.solve(system, right)
+    solution = solve(system, right)
     return solution[::2], solution[1::2]
 
 

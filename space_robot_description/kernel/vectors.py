@@ -156,6 +156,6 @@ for _function, _code in IN_HARDWARE.items():
     _unary(_function, _instruction(_code))
 
 
-@overload(power_of_two)
+@overload(power_of_two)  # type: ignore[untyped-decorator]
 def _power_of_two(n: Any) -> Any:
     return (lambda n: _exponent(n)) if isinstance(n, Several) else None

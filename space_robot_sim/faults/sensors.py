@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, PositiveFloat, model_validator
 
+from space_robot_description.kernel.linear import dot, norm
 from space_robot_description.rotations import exp, from_rpy, log, product, rotate_inverse
 from space_robot_description.spec import Three
 from space_robot_msgs_py.errors import SpecError
@@ -217,7 +218,7 @@ class SensorOutliers(SensorFault):
         direction = now.rng.standard_normal(self.errors(now.value))
         if now.rng.random() >= self.probability:
             return now.value
-        return self.shifted(now.value, self.length * direction / np.linalg.norm(direction))
+        return self.shifted(now.value, self.length * direction / norm(direction))
 
 
 class SensorDelay(SensorFault):
@@ -283,4 +284,4 @@ def _full(value: Numbers, size: int) -> Vector:
 
 def _near(q: Vector, other: Vector) -> Vector:
     """Of q and -q, which are one attitude, the one on the side of another."""
-    return q if q @ other >= 0.0 else -q
+    return q if dot(q, other) >= 0.0 else -q

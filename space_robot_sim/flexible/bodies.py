@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_description.inertia import check_body, check_inertia
+from space_robot_description.kernel.linear import dot, norm, times
 from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import tensor
 from space_robot_description.validation import nearest
@@ -107,9 +108,9 @@ def with_hidden(robot: Robot, bodies: Sequence[HiddenBody]) -> Any:
 def _hinged(spec: Appendage, key: str) -> HiddenJoint:
     com, inertia = np.array(spec.com), tensor(spec.inertia, f"{key}.inertia")
     check_inertia(f"{spec.name} ({key})", spec.mass, com, inertia, point_mass=True)
-    axis = np.array(spec.axis) / np.linalg.norm(spec.axis)
+    axis = np.array(spec.axis) / norm(np.array(spec.axis))
     arm = np.cross(axis, com)
-    moment = float(axis @ inertia @ axis + spec.mass * (arm @ arm))
+    moment = dot(axis, times(inertia, axis)) + spec.mass * dot(arm, arm)
     if moment <= 0.0:
         accepted = "a centre of mass off the axis, or an inertia about it"
         raise SpecError(

@@ -9,6 +9,7 @@ import numpy as np
 from space_robot_control.laws.adaptive.gains import AdaptiveGains
 from space_robot_control.laws.adaptive.kernel.answer import UpdateRule
 from space_robot_control.laws.adaptive.least_squares import MAX_GROWTH
+from space_robot_description.kernel.linear import dot
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.elementary import exp
 
@@ -23,7 +24,7 @@ def update_rule(gains: AdaptiveGains, period: float, prior: Vector) -> UpdateRul
     """
     size, rls, step = np.abs(prior), gains.rls, period * gains.tracking.gain
     spread = rls.prior_spread * size + rls.prior_floor
-    trace = float(spread @ spread)
+    trace = dot(spread, spread)
     return UpdateRule(
         squares=int(gains.update in ("rls", "rls_filtered", "composite")),
         filtered=int(gains.update == "rls_filtered"),

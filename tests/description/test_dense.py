@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.kernel.dense import excess_of, factor, smallest_singular_value, solve
+from space_robot_description.kernel.dense import excess_of, factor, smallest_singular_value, solve
 from space_robot_msgs_py.interfaces import Vector
 
 
