@@ -11,7 +11,6 @@ from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE, inverse
 from space_robot_description.kernel.jit import bound
 from space_robot_description.kernel.linear import times
 from space_robot_description.known_arrays import arrays_of
-from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Vector
@@ -49,8 +48,6 @@ class NominalModel:
         self.robot = robot
         self.n = robot.n
         self.mass = float(pin.computeTotalMass(model))
-        self._model = model
-        self._data = model.createData()
         self._lower = np.tril_indices(6 + robot.n, -1)
         self._zero = np.zeros(6 + robot.n)
         self.arrays = arrays_of(model)
@@ -64,9 +61,10 @@ class NominalModel:
         Args:
             q: (7+n,) configuration [m, -, rad].
         """
-        if self.robot.mimics:
-            return mass_matrix(self._model, q)
-        m = np.array(pin.crba(self._model, self._data, q))
+        m, (q, still) = np.empty((6 + self.n, 6 + self.n)), (np.array(q, dtype=np.float64, order="C"), self._zero)
+        for row, unit in zip(m, np.identity(6 + self.n), strict=True):
+            # Columns, which in a symmetric matrix are rows.
+            self._inverse_dynamics(self.arrays, q, still, unit, self._work, row)
         m[self._lower] = m.T[self._lower]
         return m
 

@@ -75,17 +75,6 @@ def inner(function: Function) -> Function:
     return result
 
 
-def summing(function: Function) -> Function:
-    """Compile a function like ``inner`` and leave the order of its sums to the compiler, several times as fast.
-
-    Equal inputs give equal bits on one machine; with vectors of another width the last bits may be others.
-    """
-    if numba is None:
-        return function
-    result: Function = numba.njit(**_OPTIONS | {"fastmath": {"reassoc"}})(function)
-    return result
-
-
 def bound(function: Function, *arguments: object) -> Function:
     """The machine code of a kernel for arguments of these types: the caller vouches that they stay the same.
 

@@ -63,3 +63,27 @@ def least_norm(a: Vector) -> Vector:
         numpy.linalg.LinAlgError: the rows depend on each other.
     """
     return np.ascontiguousarray(solve(times(a, a.T), a).T)
+
+
+def least_squares(a: Vector, b: Vector) -> tuple[Vector, Vector]:
+    """Return the x (k,) of least |a x - b|, and the diagonal (k,) of (a^T a)^-1.
+
+    Args:
+        a: (m, k) of independent columns.
+        b: (m,).
+
+    Reference: Bjorck, "Numerical Methods for Least Squares Problems", 1996, sec. 2.4 (modified Gram-Schmidt, twice).
+    """
+    columns, size = np.array(a.T, order="C"), a.shape[1]
+    upper, right, rest = np.zeros((size, size)), np.empty(size), np.array(b)
+    for i, column in enumerate(columns):
+        for j in (*range(i), *range(i)):
+            part = dot(columns[j], column)
+            upper[j, i] += part
+            column -= part * columns[j]
+        upper[i, i] = norm(column)
+        column /= upper[i, i]
+        right[i] = dot(column, rest)
+        rest -= right[i] * column
+    back = inverse(upper)
+    return times(back, right), np.sum(back * back, axis=1)

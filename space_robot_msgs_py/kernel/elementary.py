@@ -72,7 +72,8 @@ def atan2(y: float, x: float) -> float:
         return nan
     if large > 1e300:
         # Their sum stays a number; of two that are infinite the angle is between them.
-        large, small = min(large, 1.7e308) * 0.25, min(small, 1.7e308) * (0.25 if small > 1e-300 else 0.0)
+        small = 0.0 if small < large == inf else 0.25 * min(small, 1.7e308)
+        large = 0.25 * min(large, 1.7e308)
     if small > _TAN_PI_8 * large:
         t, base, rest = (small - large) / (small + large), 0.25 * _PI, 0.25 * _PI_REST
     else:
@@ -85,7 +86,7 @@ def atan2(y: float, x: float) -> float:
     angle, rest = base + (rest + (t + t * z * p)), 0.0
     if across > along:
         angle = 0.5 * _PI - (angle - 0.5 * _PI_REST)
-    if copysign(1.0, x) < 0.0:
+    if x < 0.0 or (large == 0.0 and copysign(1.0, x) < 0.0):
         angle = _PI - (angle - _PI_REST)
     return copysign(angle, y)
 

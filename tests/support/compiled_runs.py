@@ -45,7 +45,7 @@ LAWS: list[dict[str, Any]] = [
 ]
 
 
-def case(seed: int) -> Composition:
+def case(seed: int, ticks: int = TICKS) -> Composition:
     """A random experiment."""
     rng = np.random.default_rng(seed)
     robot, delays = ("mini", "servicer")[int(rng.integers(2))], [int(one) for one in rng.integers(0, 2, 2)]
@@ -53,7 +53,7 @@ def case(seed: int) -> Composition:
     data = {
         "robot": robot,
         "control_period": 0.25,
-        "duration": 0.25 * (TICKS - 1),
+        "duration": 0.25 * (ticks - 1),
         "seed": seed,
         "initial": {"attitude_deg": angles, "angular_velocity": (0.01 * rng.normal(size=3)).tolist()},
         "reference": [
