@@ -109,9 +109,9 @@ def schema(
     ] = "experiment",
 ) -> None:
     """Print the JSON schema of a kind of file, for editors."""
-    from space_robot_cli.kinds import schema_of
+    from space_robot_cli.schemas import schema_text
 
-    print(json.dumps(schema_of(kind), indent=2))
+    print(schema_text(kind), end="")
 
 
 @app.command()

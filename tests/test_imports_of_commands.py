@@ -22,7 +22,7 @@ STAY_OUT = {
     "--help": {*COMPILER, *LOGS, *NUMBERS, *GRAPH, "pydantic"},
     "list": {*COMPILER, *LOGS, *GRAPH, "numpy", "pinocchio"},
     "robot servicer": {*COMPILER, *LOGS, *GRAPH},
-    "schema": {*COMPILER, *LOGS, *GRAPH},
+    "schema": {*COMPILER, *LOGS, *NUMBERS, *GRAPH},
     "check giordano2023/sec5": {*COMPILER, *LOGS, *GRAPH},
     "info tests/data/golden/adaptive_mini": {*COMPILER, *GRAPH},
 }
