@@ -10,11 +10,10 @@ import pinocchio as pin
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.experiment.plant import PlantSpec
-from space_robot_control.laws.adaptive.gains import AdaptiveGains
 from space_robot_control.laws.registry import BUILT_IN
+from space_robot_description.actuation import torque_capacity
 from space_robot_description.foresight import robot_warnings
 from space_robot_description.mass_matrix import mass_matrix, reduced_mass_matrix
-from space_robot_description.report import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels, expand
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
@@ -129,6 +128,9 @@ def _readings(composition: Composition, channel: ChannelSpec | None) -> Iterator
     for name, spec in experiment.controller.laws.items():
         if spec.law != "adaptive" or noise == 0.0:
             continue
+        # Here: other laws do without the models of its gains.
+        from space_robot_control.laws.adaptive.gains import AdaptiveGains
+
         gains = AdaptiveGains.model_validate(spec.gains)
         rls = gains.rls
         if gains.update in _RLS_UPDATES and rls.wheel_torque == "measured" and noise > 2.0 * rls.torque_noise:

@@ -1,4 +1,4 @@
-"""The JSON schemas that ``space-robot schema`` prints, made from the models once and shipped: to make one takes a second.
+"""The JSON schemas that ``space-robot schema`` prints, made from the models and shipped: to make one takes a second.
 
 ``python -m space_robot_cli.schemas`` makes them again; a test compares them with the models.
 """
