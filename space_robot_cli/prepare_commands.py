@@ -38,7 +38,7 @@ def list_shipped(
             out.print(line, markup=False, soft_wrap=True)
         return
     for heading, rows in catalogue(kind, name).items():
-        out.print(heading, style="bold")
+        out.print(heading, style="bold", markup=False, soft_wrap=True)
         lines = [f"  {shipped:<34}{title}" for shipped, title in rows.items()]
         out.print("\n".join(lines), markup=False, soft_wrap=True)
 

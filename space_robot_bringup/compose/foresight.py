@@ -83,7 +83,8 @@ def _efforts(robot: Robot, references: Sequence[Reference]) -> Iterator[str]:
     limits = np.concatenate(
         [np.full(3, np.inf) if force is None else np.array(force.limit), torque, robot.effort_limit]
     )
-    needed = np.array([_inverse_dynamics(robot, reference) for reference in references])
+    data = robot.model.createData()
+    needed = np.array([_inverse_dynamics(robot, data, reference) for reference in references])
     share = np.abs(needed) / limits
     names = [f"base {kind} {axis}" for kind in ("force", "torque") for axis in "xyz"]
     names += [f"joint {name}" for name in robot.joint_names]
@@ -96,11 +97,11 @@ def _efforts(robot: Robot, references: Sequence[Reference]) -> Iterator[str]:
         )
 
 
-def _inverse_dynamics(robot: Robot, reference: Reference) -> Vector:
+def _inverse_dynamics(robot: Robot, data: Any, reference: Reference) -> Vector:
     """(6+n,) generalised force of the desired motion; a base without thrusters drifts as the arm makes it."""
     model: Any = robot.model
     q, v, a = (np.array(part) for part in (reference.q, reference.v, reference.a))
-    needed: Vector = pin.rnea(model, model.createData(), q, v, a)
+    needed: Vector = pin.rnea(model, data, q, v, a).copy()
     if robot.base_mode == "free_floating":
         full = mass_matrix(model, q)
         needed = needed - full[:, :3] @ np.linalg.solve(full[:3, :3], needed[:3])
