@@ -120,7 +120,8 @@ class Distances:
         arm = np.tile(self._offset, (len(postures), 1))
         for step in self._steps:
             arm = step.before + step.moved(arm, postures) @ step.turn.T
-        return np.linalg.norm(arm, axis=1)
+        found: Vector = np.linalg.norm(arm, axis=1)
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,7 +143,8 @@ class _Step:
         along = (arm @ self.axis)[:, None] * self.axis
         x, y, z = self.axis
         across = arm @ np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-        return (arm - along) * np.cos(value) + across * np.sin(value) + along
+        turned: Vector = (arm - along) * np.cos(value) + across * np.sin(value) + along
+        return turned
 
 
 def _steps(robot: Robot, chain: list[int]) -> list[_Step]:
