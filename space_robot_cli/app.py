@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from space_robot_cli.output import Output
 from space_robot_cli.panels import PanelGroup
-from space_robot_cli.terminal import PlainConsole
 
 FAILED, BAD_INPUT = 1, 2
 
@@ -20,9 +19,12 @@ app = typer.Typer(
     rich_markup_mode=None,
     epilog="Exit codes: 0 fine, also where nothing was expected, 1 the run failed its verdict, 2 bad input or usage.",
 )
-# A pipe has no width of its own; 80 columns would cut numbers.
-out = PlainConsole(width=None if sys.stdout.isatty() else 120)
-err = PlainConsole(stderr=True)
+if TYPE_CHECKING:
+    from space_robot_cli.terminal import PlainConsole
+
+    out = err = PlainConsole()
+else:
+    out, err = Output(), Output(stderr=True)
 
 SetOption = Annotated[
     list[str] | None,

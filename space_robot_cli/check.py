@@ -60,16 +60,9 @@ def check_file(
 
 def _diagnosed(name_or_path: str, overrides: Sequence[str], typed: Sequence[str]) -> Composition:
     """The experiment, composed, if nothing is wrong with it."""
-    # Here, as only an experiment with faults of the command line needs the models of all faults.
-    from space_robot_sim.faults.catalogue import parse_fault
-
     file = read_experiment(name_or_path)
-    data, errors, faults = file.data(overrides), list[SpaceRobotError](), list[Any]()
-    for text in typed:
-        try:
-            faults.append(parse_fault(text))
-        except SpaceRobotError as error:
-            errors.append(error)
+    data = file.data(overrides)
+    faults, errors = _parsed(typed)
     given = data.get("faults", [])
     if faults and isinstance(given, list):
         data["faults"] = [*given, *faults]
@@ -80,6 +73,20 @@ def _diagnosed(name_or_path: str, overrides: Sequence[str], typed: Sequence[str]
     if errors:
         raise all_of(errors)
     return composition
+
+
+def _parsed(typed: Sequence[str]) -> tuple[list[Any], list[SpaceRobotError]]:
+    """The faults of the command line, and what is wrong with some of them."""
+    faults, errors = list[Any](), list[SpaceRobotError]()
+    for text in typed:
+        # Here, as only an experiment with faults needs the models of all faults.
+        from space_robot_sim.faults.catalogue import parse_fault
+
+        try:
+            faults.append(parse_fault(text))
+        except SpaceRobotError as error:
+            errors.append(error)
+    return faults, errors
 
 
 def _experiment(composition: Composition) -> Checked:

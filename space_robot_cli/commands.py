@@ -11,6 +11,8 @@ FILES = {
     "log_commands": ("replay", "info", "events", "recover"),
     "prepare_commands": ("check", "new", "list", "robot", "schema"),
 }
+# Those that leave nothing behind which is to be closed, and end in less than a second.
+QUICK = (*FILES["prepare_commands"], "--version", "--help")
 
 
 def load_commands(typed: str = "") -> None:

@@ -1,4 +1,4 @@
-"""The kinds of files that are checked, how one knows them, and their schemas."""
+"""The kinds of files that are checked, and how one knows them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 
 from space_robot_description.share import is_file, shipped
 from space_robot_description.yaml_files import parse_yaml
-from space_robot_msgs_py.errors import SpecError
 
 FOLDERS = {"experiment": "experiments", "campaign": "campaigns", "paper": "papers"}
 
@@ -21,24 +20,3 @@ def kind_of(name_or_path: str) -> str:
         data: Any = parse_yaml(path)
         return "paper" if "figures" in data else "campaign" if "experiment" in data else "experiment"
     return next((kind for kind, folder in FOLDERS.items() if name_or_path in shipped(folder)), "experiment")
-
-
-def schema_of(kind: str) -> dict[str, Any]:
-    """The JSON schema of a kind of file.
-
-    Raises:
-        SpecError: there is no such kind.
-    """
-    if kind == "experiment":
-        from space_robot_bringup.experiment.experiment import file_schema
-
-        return file_schema()
-    if kind == "campaign":
-        from space_robot_studies.campaign.spec import Campaign
-
-        return Campaign.model_json_schema()
-    if kind == "paper":
-        from space_robot_studies.reproduce.manifest import Manifest
-
-        return Manifest.model_json_schema()
-    raise SpecError("no such kind", key="KIND", value=kind, accepted=", ".join(FOLDERS))

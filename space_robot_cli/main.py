@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
 import signal
@@ -14,7 +15,7 @@ import typer
 
 from space_robot_bringup.modes.signals import Interrupted, raising
 from space_robot_cli.app import BAD_INPUT, FAILED, app, err
-from space_robot_cli.commands import load_commands
+from space_robot_cli.commands import QUICK, load_commands
 from space_robot_cli.system_libraries import missing_library
 from space_robot_msgs_py.bounded_files import short
 from space_robot_msgs_py.errors import SpaceRobotError
@@ -27,11 +28,12 @@ NEW_OBJECTS = 50_000
 
 def main() -> Never:
     """Entry point: one line per error, exit 2 on bad input, 1 on a signal, no traceback."""
+    typed = sys.argv[1] if len(sys.argv) > 1 else ""
     try:
-        with raising(signal.SIGINT, signal.SIGTERM), _few_collections():
+        with raising(signal.SIGINT, signal.SIGTERM), _few_collections(typed):
             # Else pydantic asks every installed distribution for plugins, which are code that would see what files say.
             os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
-            load_commands(sys.argv[1] if len(sys.argv) > 1 else "")
+            load_commands(typed)
             # Without standalone mode an Exit of a command is what app returns.
             code = app(prog_name="space-robot", standalone_mode=False)
     except SpaceRobotError as error:
@@ -71,7 +73,10 @@ def main() -> Never:
 
 
 @contextmanager
-def _few_collections() -> Iterator[None]:
+def _few_collections(typed: str) -> Iterator[None]:
+    if typed in QUICK:
+        # Python searches all that is left once more before it ends, but not what is frozen.
+        atexit.register(gc.freeze)
     before = gc.get_threshold()
     gc.set_threshold(NEW_OBJECTS, *before[1:])
     try:

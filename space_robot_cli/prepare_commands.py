@@ -38,7 +38,7 @@ def list_shipped(
             out.print(line, markup=False, soft_wrap=True)
         return
     for heading, rows in catalogue(kind, name).items():
-        out.print(heading, style="bold")
+        out.print(heading, style="bold", markup=False, soft_wrap=True)
         lines = [f"  {shipped:<34}{title}" for shipped, title in rows.items()]
         out.print("\n".join(lines), markup=False, soft_wrap=True)
 
@@ -109,9 +109,9 @@ def schema(
     ] = "experiment",
 ) -> None:
     """Print the JSON schema of a kind of file, for editors."""
-    from space_robot_cli.kinds import schema_of
+    from space_robot_cli.schemas import schema_text
 
-    print(json.dumps(schema_of(kind), indent=2))
+    print(schema_text(kind), end="")
 
 
 @app.command()

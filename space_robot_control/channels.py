@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from space_robot_control.nominal_model import NominalModel
+from space_robot_description.actuation import torque_capacity
 from space_robot_description.kernel.linear import inverse
-from space_robot_description.report import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError

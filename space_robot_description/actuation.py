@@ -44,6 +44,18 @@ def check_actuators(spec: RobotSpec, joint_names: Sequence[str], urdf_effort: Se
     return actuators.model_copy(update={"base_torque": torque, "joints": joints})
 
 
+def torque_capacity(robot: Robot) -> tuple[Vector, Vector | None]:
+    """Largest torque [N m] and, with wheels, momentum [N m s] about each body axis alone."""
+    actuator = robot.actuators.base_torque
+    if not isinstance(actuator, ReactionWheels):
+        return np.array(actuator.limit), None
+    axes = np.array(actuator.axes)
+    axes = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+    # Column i of the pseudo-inverse: what each wheel does for one unit about body axis i; the busiest one fills first.
+    unit_box = 1.0 / np.max(np.abs(np.linalg.pinv(axes.T)), axis=0)
+    return actuator.torque * unit_box, actuator.momentum * unit_box
+
+
 def _check_motors(motors: JointMotors, joint_names: Sequence[str], urdf_effort: Sequence[float]) -> JointMotors:
     update = {}
     for field in ("effort", "lag", "viscous", "coulomb", *(() if motors.brake is None else ("brake",))):

@@ -15,6 +15,8 @@ from space_robot_msgs_py.mimic import Mimic
 
 SAMPLES = 2000
 SEED = 20230517
+# Of a distance, by which two ways to reckon it may differ.
+ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +36,7 @@ class Reach:
 def reach_of(robot: Robot, link: str = "") -> Reach:
     """Reach of a link, by default of ``robot.tool_frame``; deterministic."""
     robot = replace(robot, tool_frame=link or robot.tool_frame)
-    chain = _chain(robot)
+    chain = chain_of(robot)
     if not chain:
         return Reach(0.0, 0.0)
     return Reach(_sum_bound(robot, chain), _sampled(robot, chain))
@@ -45,7 +47,7 @@ def _tool(robot: Robot) -> tuple[int, Vector]:
     return int(frame.parentJoint), frame.placement.translation
 
 
-def _chain(robot: Robot) -> list[int]:
+def chain_of(robot: Robot) -> list[int]:
     """Model indices of the joints from the arm's root to the tool."""
     index, chain = _tool(robot)[0], []
     while index > 1:
@@ -72,26 +74,28 @@ def _sampled(robot: Robot, chain: list[int]) -> float:
     # Limits that lie beyond a turn or on one side of it: keep the interval, sample the first turn of it.
     lower, upper = np.minimum(lower, robot.joint_upper), np.maximum(upper, robot.joint_lower)
     postures = np.random.default_rng(SEED).uniform(lower, upper, size=(SAMPLES, robot.n))
-    distances = _Distances(robot, chain[0])
-    candidates = [robot.home.copy(), *postures]
-    best = max(candidates, key=distances)
+    distances = Distances(robot, chain)
+    best = distances.farthest(np.vstack([robot.home, postures]))
     for _ in range(2):
         for index in dict.fromkeys(robot.model.joints[joint].idx_v - 6 for joint in chain):
-            trials = [best]
-            for value in np.linspace(lower[index], upper[index], 73):
-                trial = best.copy()
-                trial[index] = value
-                trials.append(trial)
-            best = max(trials, key=distances)
+            trials = np.tile(best, (74, 1))
+            trials[1:, index] = np.linspace(lower[index], upper[index], 73)
+            best = distances.farthest(trials)
     return distances(best)
 
 
-class _Distances:
-    """Distance of the tool from the origin of the first joint, as a function of the joint positions."""
+class Distances:
+    """Distance of the tool from the origin of the first joint [m], as a function of the joint positions.
 
-    def __init__(self, robot: Robot, first: int) -> None:
-        self._model, self._data = robot.model, robot.model.createData()
+    Args:
+        robot: with its tool.
+        chain: see ``chain_of``.
+    """
+
+    def __init__(self, robot: Robot, chain: list[int]) -> None:
+        self._model, self._data, first = robot.model, robot.model.createData(), chain[0]
         self._joint, self._offset = _tool(robot)
+        self._steps = _steps(robot, chain)
         self._q = pin.neutral(robot.model)
         pin.forwardKinematics(self._model, self._data, self._q)
         # A first joint that slides takes its frame along; its placement on the base stands still.
@@ -99,6 +103,58 @@ class _Distances:
         self._root = base.act(self._model.jointPlacements[first].translation)
 
     def __call__(self, joints: Vector) -> float:
+        """The distance at (n,) joint positions."""
         self._q[7:] = joints
         pin.forwardKinematics(self._model, self._data, self._q)
         return dist(self._data.oMi[self._joint].act(self._offset), self._root)
+
+    def farthest(self, postures: Vector) -> Vector:
+        """The first of the postures (S, n) at which the distance is largest."""
+        rough = self.of_all(postures)
+        # To ask Pinocchio of each takes as long as to load it; of those that round-off cannot tell apart, it decides.
+        near = postures[rough >= rough.max() - ROUND_OFF * (1.0 + rough.max())]
+        return max(near, key=self)
+
+    def of_all(self, postures: Vector) -> Vector:
+        """(S,) the distance at each of the postures (S, n), but for round-off [m]."""
+        arm = np.tile(self._offset, (len(postures), 1))
+        for step in self._steps:
+            arm = step.before + step.moved(arm, postures) @ step.turn.T
+        found: Vector = np.linalg.norm(arm, axis=1)
+        return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Step:
+    """A joint of the chain: its coordinate, what moves it of that, its axis, and where it stands on the one before."""
+
+    coordinate: int
+    mimic: Mimic
+    axis: Vector
+    slides: bool
+    turn: Vector
+    before: Vector
+
+    def moved(self, arm: Vector, postures: Vector) -> Vector:
+        """The points (S, 3) of the moved body in the axes of the joint at rest, by Rodrigues' formula."""
+        value = (self.mimic.multiplier * postures[:, self.coordinate] + self.mimic.offset)[:, None]
+        if self.slides:
+            return arm + value * self.axis
+        along = (arm @ self.axis)[:, None] * self.axis
+        x, y, z = self.axis
+        across = arm @ np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+        turned: Vector = (arm - along) * np.cos(value) + across * np.sin(value) + along
+        return turned
+
+
+def _steps(robot: Robot, chain: list[int]) -> list[_Step]:
+    """From the tool to the first joint, whose own place counts for nothing."""
+    axes, slides = joint_axes(robot.model)
+    steps = []
+    for index in chain[::-1]:
+        place = robot.model.jointPlacements[index]
+        turn, before = (np.eye(3), np.zeros(3)) if index == chain[0] else (place.rotation, place.translation)
+        mimic = robot.mimics.get(robot.model.names[index], Mimic("", 1.0, 0.0))
+        coordinate = robot.model.joints[index].idx_v - 6
+        steps.append(_Step(coordinate, mimic, axes[index - 2], bool(slides[index - 2]), turn, before))
+    return steps

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from space_robot_description.actuation import torque_capacity
 from space_robot_description.foresight import robot_warnings
 from space_robot_description.inertia import inertial_parameters
 from space_robot_description.mass_matrix import reduced_mass_matrix
 from space_robot_description.reach import Reach, reach_of
 from space_robot_description.robot import Robot
-from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -163,18 +163,6 @@ def _bodies(robot: Robot) -> tuple[BodyRow, ...]:
         BodyRow(name, float(body.mass), body.lever.copy(), body.inertia.copy())
         for name, body in zip(robot.body_names, inertias, strict=True)
     )
-
-
-def torque_capacity(robot: Robot) -> tuple[Vector, Vector | None]:
-    """Largest torque [N m] and, with wheels, momentum [N m s] about each body axis alone."""
-    actuator = robot.actuators.base_torque
-    if not isinstance(actuator, ReactionWheels):
-        return np.array(actuator.limit), None
-    axes = np.array(actuator.axes)
-    axes = axes / np.linalg.norm(axes, axis=1, keepdims=True)
-    # Column i of the pseudo-inverse: what each wheel does for one unit about body axis i; the busiest one fills first.
-    unit_box = 1.0 / np.max(np.abs(np.linalg.pinv(axes.T)), axis=0)
-    return actuator.torque * unit_box, actuator.momentum * unit_box
 
 
 def _joints(robot: Robot) -> tuple[JointReport, ...]:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from space_robot_description.complaints import accepted_by
+from space_robot_description.later import Later
 from space_robot_description.yaml_files import nearest as nearest
 from space_robot_description.yaml_files import parse_yaml as parse_yaml
 from space_robot_description.yaml_files import parse_yaml_text as parse_yaml_text
@@ -120,6 +121,8 @@ def _valid_keys(models: Sequence[type[BaseModel]]) -> list[str]:
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, Later):
+        return _models_in(annotation.type)
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     if get_origin(annotation) in (Annotated, Union, types.UnionType, tuple, list, dict):

@@ -20,10 +20,10 @@ GRAPH = {"rclpy", "matplotlib", "plotly", "viser", "distributed", "pandas"}
 STAY_OUT = {
     "--version": {*COMPILER, *LOGS, *NUMBERS, *GRAPH, "pydantic"},
     "--help": {*COMPILER, *LOGS, *NUMBERS, *GRAPH, "pydantic"},
-    "list": {*COMPILER, *LOGS, *GRAPH, "numpy", "pinocchio"},
+    "list": {*COMPILER, *LOGS, *GRAPH, "numpy", "pinocchio", "rich"},
     "robot servicer": {*COMPILER, *LOGS, *GRAPH},
-    "schema": {*COMPILER, *LOGS, *GRAPH},
-    "check giordano2023/sec5": {*COMPILER, *LOGS, *GRAPH},
+    "schema": {*COMPILER, *LOGS, *NUMBERS, *GRAPH, "rich"},
+    "check giordano2023/sec5": {*COMPILER, *LOGS, *GRAPH, "rich"},
     "info tests/data/golden/adaptive_mini": {*COMPILER, *GRAPH},
 }
 # A fork per command: the process before it has loaded what Python itself loads.

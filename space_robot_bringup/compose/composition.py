@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
 from space_robot_bringup.compose.flexibility import check_flexibility
 from space_robot_bringup.compose.knowledge import nominal_spec, with_knowledge
 from space_robot_bringup.compose.plants import PLANTS, Changes, PlantParts, check_brakes, check_unloading
@@ -39,12 +38,12 @@ from space_robot_msgs_py.topics import (
     Topic,
 )
 from space_robot_sim.faults.plan import FaultPlan
-from space_robot_sim.faults.wires import CommandWire, ControllerInbox
 from space_robot_sim.initial import InitialState
 
 if TYPE_CHECKING:
     from space_robot_bringup.compose.run_supervisor import RunSupervisor
     from space_robot_control.laws.base import Law, Review
+    from space_robot_sim.faults.wires import ControllerInbox
 
 # References that a law reviews before a run.
 PATH_POINTS = 200
@@ -111,7 +110,11 @@ class Composition:
     @property
     def loses_commands(self) -> bool:
         """Faults keep commands from the plant: what acted does not tell what was sent."""
-        return self.faults is not None and CommandWire(self.faults).faulty
+        if self.faults is None:
+            return False
+        from space_robot_sim.faults.wires import CommandWire
+
+        return CommandWire(self.faults).faulty
 
     @property
     def header(self) -> LogHeader:
@@ -158,8 +161,8 @@ class Composition:
             law = supervised(experiment, self.nominal, self.policy)
         else:
             law = make_controller(experiment.controller, self.nominal, experiment.control_period, self.policy)
-        if self.faults is not None:
-            law.inbox = ControllerInbox(self.faults)
+        if (inbox := self._inbox()) is not None:
+            law.inbox = inbox
         return law
 
     def supervisor(self, controller: Law | None = None) -> RunSupervisor | None:
@@ -175,8 +178,14 @@ class Composition:
             return None
         from space_robot_bringup.compose.run_supervisor import run_supervisor
 
-        inbox = None if self.faults is None else ControllerInbox(self.faults)
-        return run_supervisor(self.experiment, self.nominal, controller or self.controller(), inbox)
+        return run_supervisor(self.experiment, self.nominal, controller or self.controller(), self._inbox())
+
+    def _inbox(self) -> ControllerInbox | None:
+        if self.faults is None:
+            return None
+        from space_robot_sim.faults.wires import ControllerInbox
+
+        return ControllerInbox(self.faults)
 
     def reference(self) -> ReferenceSource:
         """The reference source: a function of time, which all who ask share."""
@@ -252,9 +261,14 @@ def compose_world(experiment: Experiment, policy: LawPolicy, load: Callable[...,
     kind, spec = PLANTS[experiment.plant.kind], experiment.plant
     kind.check(spec, truth, experiment.period)
     changes = kind.changes(spec, truth, experiment.control_period)
-    plan = fault_plan(experiment, truth, seeds[4])
-    if plan is not None and isinstance(spec, PlantSpec):
-        changes = robots_with_faults(plan, variant_of(robot, unladen(spec), seeds[1]), spec)
+    plan = None
+    if experiment.faults:
+        # Models of faults take their time to be made, and few runs have any.
+        from space_robot_bringup.compose.faults import fault_plan, robots_with_faults
+
+        plan = fault_plan(experiment, truth, seeds[4])
+        if isinstance(spec, PlantSpec):
+            changes = robots_with_faults(plan, variant_of(robot, unladen(spec), seeds[1]), spec)
     check_flexibility(experiment, truth, changes, plan)
     reference = make_reference(experiment.reference, nominal, q0)
     composition = Composition(experiment, nominal, truth, changes, plan, policy, reference, seeds, q0, v0)

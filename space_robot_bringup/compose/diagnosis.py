@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -17,17 +17,17 @@ from space_robot_control.references.spec import HoldSpec
 from space_robot_description.validation import with_others
 from space_robot_msgs_py.errors import SpaceRobotError
 
-# What every robot can do, in place of what is not looked at yet.
-NEUTRAL: dict[str, Any] = {
-    "initial": Initial(),
-    "plant": PlantSpec(),
-    "nominal": NominalSpec(),
-    "reference": HoldSpec(kind="hold"),
-    "controller": ControllerSpec(law="none"),
-    "faults": (),
-    "supervision": None,
-    "settling_bands": {},
-    "expect": {},
+# What every robot can do, in place of what is not looked at yet; made when it is needed, which takes its time.
+NEUTRAL: dict[str, Callable[[], Any]] = {
+    "initial": Initial,
+    "plant": PlantSpec,
+    "nominal": NominalSpec,
+    "reference": lambda: HoldSpec(kind="hold"),
+    "controller": lambda: ControllerSpec(law="none"),
+    "faults": tuple,
+    "supervision": lambda: None,
+    "settling_bands": dict,
+    "expect": dict,
 }
 # Control period and duration: what has times in it is right or wrong by them.
 TIMES = "times"
@@ -91,7 +91,7 @@ def _in_the_rest(data: Mapping[str, Any]) -> Iterator[SpaceRobotError]:
         return
     # A wrong section counts as what every robot can do, which is not always its default.
     experiment = Experiment.model_validate(SMALLEST | kept).model_copy(
-        update={name: neutral for name, neutral in NEUTRAL.items() if name in wrong and name not in kept}
+        update={name: neutral() for name, neutral in NEUTRAL.items() if name in wrong and name not in kept}
     )
     if TIMES not in wrong:
         try:
@@ -145,7 +145,7 @@ def _fits(key: str, value: Any) -> bool:
 
 def _problems(experiment: Experiment, wrong: set[str]) -> Iterator[SpaceRobotError]:
     """What is wrong in each section, the ones before it being right; ``wrong`` are those that are known to be not."""
-    sound = experiment.model_copy(update=NEUTRAL)
+    sound = experiment.model_copy(update={name: neutral() for name, neutral in NEUTRAL.items()})
     error = _error(sound)
     if error is not None:
         yield error

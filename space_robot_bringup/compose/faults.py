@@ -20,19 +20,17 @@ from space_robot_sim.faults.body import BodyFault, PayloadCaptured
 from space_robot_sim.faults.plan import FaultPlan, PlannedFault, plan_faults
 
 
-def fault_plan(experiment: Experiment, truth: Robot, seed: np.random.SeedSequence) -> FaultPlan | None:
-    """The plan of a run; None where nothing goes wrong.
+def fault_plan(experiment: Experiment, truth: Robot, seed: np.random.SeedSequence) -> FaultPlan:
+    """The plan of a run.
 
     Args:
-        experiment: with its faults.
+        experiment: with its faults, at least one.
         truth: the true robot, as it starts.
         seed: of everything random in them.
 
     Raises:
         SpecError: a fault does not fit the robot, the plant or the run.
     """
-    if not experiment.faults:
-        return None
     spec = experiment.plant
     if not isinstance(spec, PlantSpec):
         accepted = "plant.kind articulated"

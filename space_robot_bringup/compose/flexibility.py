@@ -7,7 +7,6 @@ from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_bringup.experiment.plant import PlantSpec
 from space_robot_description.robot import Robot
 from space_robot_sim.faults.plan import FaultPlan
-from space_robot_sim.flexible.composed import check_composed
 from space_robot_sim.flexible.modes import mode_frequencies
 from space_robot_sim.flexible.parts import FlexibleParts
 
@@ -36,6 +35,9 @@ def check_flexibility(experiment: Experiment, truth: Robot, changes: Changes, pl
     spec, table = experiment.plant, experiment.supervision
     if not isinstance(spec, PlantSpec) or spec.flexibility is None:
         return
+    # Here: it knows the models of faults, which take their time to be made.
+    from space_robot_sim.flexible.composed import check_composed
+
     parts = FlexibleParts(spec.flexibility, truth)
     braked = brakes_when_silent(spec) or (table is not None and table.brakes)
     check_composed(parts, truth, braked=braked, plan=plan)

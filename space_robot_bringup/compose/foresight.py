@@ -10,11 +10,10 @@ import pinocchio as pin
 
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.experiment.plant import PlantSpec
-from space_robot_control.laws.adaptive.gains import AdaptiveGains
 from space_robot_control.laws.registry import BUILT_IN
+from space_robot_description.actuation import torque_capacity
 from space_robot_description.foresight import robot_warnings
 from space_robot_description.mass_matrix import mass_matrix, reduced_mass_matrix
-from space_robot_description.report import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels, expand
 from space_robot_msgs_py.interfaces import NANOSECONDS, Reference, Vector
@@ -84,7 +83,8 @@ def _efforts(robot: Robot, references: Sequence[Reference]) -> Iterator[str]:
     limits = np.concatenate(
         [np.full(3, np.inf) if force is None else np.array(force.limit), torque, robot.effort_limit]
     )
-    needed = np.array([_inverse_dynamics(robot, reference) for reference in references])
+    data = robot.model.createData()
+    needed = np.array([_inverse_dynamics(robot, data, reference) for reference in references])
     share = np.abs(needed) / limits
     names = [f"base {kind} {axis}" for kind in ("force", "torque") for axis in "xyz"]
     names += [f"joint {name}" for name in robot.joint_names]
@@ -97,11 +97,11 @@ def _efforts(robot: Robot, references: Sequence[Reference]) -> Iterator[str]:
         )
 
 
-def _inverse_dynamics(robot: Robot, reference: Reference) -> Vector:
+def _inverse_dynamics(robot: Robot, data: Any, reference: Reference) -> Vector:
     """(6+n,) generalised force of the desired motion; a base without thrusters drifts as the arm makes it."""
     model: Any = robot.model
     q, v, a = (np.array(part) for part in (reference.q, reference.v, reference.a))
-    needed: Vector = pin.rnea(model, model.createData(), q, v, a)
+    needed: Vector = pin.rnea(model, data, q, v, a).copy()
     if robot.base_mode == "free_floating":
         full = mass_matrix(model, q)
         needed = needed - full[:, :3] @ np.linalg.solve(full[:3, :3], needed[:3])
@@ -129,6 +129,9 @@ def _readings(composition: Composition, channel: ChannelSpec | None) -> Iterator
     for name, spec in experiment.controller.laws.items():
         if spec.law != "adaptive" or noise == 0.0:
             continue
+        # Here: other laws do without the models of its gains.
+        from space_robot_control.laws.adaptive.gains import AdaptiveGains
+
         gains = AdaptiveGains.model_validate(spec.gains)
         rls = gains.rls
         if gains.update in _RLS_UPDATES and rls.wheel_torque == "measured" and noise > 2.0 * rls.torque_noise:

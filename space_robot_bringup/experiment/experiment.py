@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
     Field,
@@ -30,13 +30,19 @@ from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_bringup.experiment.recorded_reference import with_recorded_log
 from space_robot_bringup.experiment.timebase import steps_of, to_nanoseconds
 from space_robot_control.references.spec import ReferenceSpec
+from space_robot_description.later import Later
 from space_robot_description.share import config_dir, is_file, shipped_or_file
 from space_robot_description.spec import PerJoint, Strict, Three, Title
 from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.paths import StrPath
-from space_robot_sim.faults.catalogue import AnyFault, parse_fault
-from space_robot_supervisor.table import SupervisionTable
+
+if TYPE_CHECKING:
+    from space_robot_sim.faults.catalogue import AnyFault
+    from space_robot_supervisor.table import SupervisionTable
+else:
+    AnyFault = Annotated[Any, Later("space_robot_sim.faults.catalogue:AnyFault")]
+    SupervisionTable = Annotated[Any, Later("space_robot_supervisor.table:SupervisionTable")]
 
 # Dotted key to value, or texts ``dotted.key=value`` with the value in YAML.
 
@@ -243,6 +249,8 @@ def file_schema() -> dict[str, Any]:
     """
     whole = Experiment.model_json_schema()
     definitions = whole.pop("$defs")
+    # A model has one of its own.
+    del whole["properties"]["supervision"]["title"]
     keys = {name: {"description": spec.get("description", "")} for name, spec in whole["properties"].items()}
     base = {"type": "string", "description": "a YAML file relative to this one, or a shipped experiment"}
     differing = {
@@ -279,6 +287,8 @@ def with_faults(experiment: Experiment, typed: Sequence[str]) -> Experiment:
     """
     if not typed:
         return experiment
+    from space_robot_sim.faults.catalogue import parse_fault
+
     data = experiment.model_dump(mode="json")
     return experiment_from(data | {"faults": [*data.get("faults", ()), *map(parse_fault, typed)]}, "")
 

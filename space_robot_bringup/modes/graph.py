@@ -6,9 +6,10 @@ import sys
 from collections.abc import Callable, Iterable
 from contextlib import redirect_stderr
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
@@ -19,11 +20,6 @@ from space_robot_bringup.compose.parameters import rows_of
 from space_robot_bringup.modes.context import private_context
 from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, STANDBY, SUPERVISOR, Hooks, roles_of
 from space_robot_bringup.modes.signals import Interrupted
-from space_robot_control.nodes.controller import ControllerNode
-from space_robot_control.nodes.effort_controller import EffortControllerNode
-from space_robot_control.nodes.guidance import GuidanceNode
-from space_robot_control.nodes.live_guidance import LiveGuidanceNode
-from space_robot_control.nodes.redundant_controller import RedundantControllerNode
 from space_robot_msgs_py.errors import SpaceRobotError, SpecError
 from space_robot_msgs_py.log.free_directory import free_directory
 from space_robot_msgs_py.log.run_directory import RunDirectory
@@ -33,10 +29,23 @@ from space_robot_msgs_py.nodes.managed import bring_up
 from space_robot_msgs_py.topics import WHEEL_MOMENTUM
 from space_robot_sim.nodes.credit import AHEAD_BESIDE, AHEAD_IN_ONE_PROCESS, AHEAD_PACED
 from space_robot_sim.nodes.recorder import RecorderNode
-from space_robot_sim.nodes.simulator import SimulatorNode
 from space_robot_sim.nodes.tick_parts import MAX_LATE
-from space_robot_supervisor.nodes.supervisor import SupervisorNode
 
+if TYPE_CHECKING:
+    from space_robot_control.nodes.controller import ControllerNode
+    from space_robot_control.nodes.guidance import GuidanceNode
+    from space_robot_sim.nodes.simulator import SimulatorNode
+    from space_robot_supervisor.nodes.supervisor import SupervisorNode
+
+NODES = {
+    "guidance": "space_robot_control.nodes.guidance:GuidanceNode",
+    "live_guidance": "space_robot_control.nodes.live_guidance:LiveGuidanceNode",
+    "controller": "space_robot_control.nodes.controller:ControllerNode",
+    "redundant_controller": "space_robot_control.nodes.redundant_controller:RedundantControllerNode",
+    EFFORT_CONTROLLER: "space_robot_control.nodes.effort_controller:EffortControllerNode",
+    "simulator": "space_robot_sim.nodes.simulator:SimulatorNode",
+    SUPERVISOR: "space_robot_supervisor.nodes.supervisor:SupervisorNode",
+}
 # A finite timeout: without one this executor neither fires timers nor sleeps.
 SPIN_TIMEOUT = 0.05
 DRAIN_SECONDS = 5.0
@@ -95,21 +104,21 @@ def make_node(
     if role == "guidance":
         live = live_reference(composition)
         if live is not None:
-            return LiveGuidanceNode(live, names, **timing, **options)
-        return GuidanceNode(composition.reference(), names, **timing, **options)
+            return _loaded("live_guidance")(live, names, **timing, **options)
+        return _loaded(role)(composition.reference(), names, **timing, **options)
     if role == SUPERVISOR:
         return _supervisor_node(composition, lossless=realtime is None, **options)
     if role == EFFORT_CONTROLLER:
-        return EffortControllerNode(names, paced=realtime is not None, **options)
+        return _loaded(role)(names, paced=realtime is not None, **options)
     if role in ("controller", STANDBY):
         supervised = composition.experiment.supervision is not None
         options |= {"supervised": supervised, "wheels": WHEEL_MOMENTUM in composition.optional_topics}
         if failover:
             options |= {"name": role, "period": experiment.period}
-            return RedundantControllerNode(composition.controller, names, **options)
-        return ControllerNode(composition.controller, names, paced=realtime is not None, **options)
+            return _loaded("redundant_controller")(composition.controller, names, **options)
+        return _loaded("controller")(composition.controller, names, paced=realtime is not None, **options)
     timing |= optional | {"ahead": ahead, "obeys": composition.braked or composition.unloads, "failover": failover}
-    return SimulatorNode(
+    return _loaded("simulator")(
         composition.plant, names, urdf=composition.nominal.urdf, realtime=realtime, **timing, **options
     )
 
@@ -130,11 +139,11 @@ def check_failover(failover: int, realtime: float | None) -> None:
         raise SpecError("lock-step waits for its controller", key="failover", value=failover, accepted="with realtime")
 
 
-def _supervisor_node(composition: Composition, *, lossless: bool, **options: Any) -> SupervisorNode:
+def _supervisor_node(composition: Composition, *, lossless: bool, **options: Any) -> GraphNode:
     supervisor = composition.supervisor()
     if supervisor is None:
         raise SpecError("this run has none", key="supervision", accepted="a shipped table, or a run without this node")
-    return SupervisorNode(
+    return _loaded(SUPERVISOR)(
         # Of a composition that could make one it can be made again.
         lambda: composition.supervisor() or supervisor,
         composition.joint_names,
@@ -145,6 +154,13 @@ def _supervisor_node(composition: Composition, *, lossless: bool, **options: Any
         monitored=supervisor.reads_counts,
         **options,
     )
+
+
+def _loaded(node: str) -> Callable[..., GraphNode]:
+    """The class of a node; a process of one node loads no others."""
+    module, _, name = NODES[node].partition(":")
+    found: Callable[..., GraphNode] = getattr(import_module(module), name)
+    return found
 
 
 def _writers(composition: Composition, directory: Path | RunDirectory, mode: str) -> Callable[[int], LogWriter]:

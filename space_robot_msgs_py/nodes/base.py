@@ -22,6 +22,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from space_robot_msgs_py.codec.sender_mark import mark_of
 from space_robot_msgs_py.errors import LayoutError, SpecError, shortened
 from space_robot_msgs_py.escapes import visible
+from space_robot_msgs_py.nodes.callers import note_files
 from space_robot_msgs_py.nodes.parameters import NodeParameters
 from space_robot_msgs_py.nodes.reasons import Reasons
 from space_robot_msgs_py.nodes.replies import Replies
@@ -85,6 +86,7 @@ class GraphNode(Node):  # type: ignore[misc]
         self.replies = Replies()
         super().__init__(name, context=context, **options)
         self.replies.start(self)
+        note_files()
         self._readers: dict[Topic, Subscription] = {}
         self._qos_options = QoSOverridingOptions(OVERRIDABLE) if overridable else None
         self.parameters = NodeParameters(self, self.tune)

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from space_robot_description.report import torque_capacity
+from space_robot_description.actuation import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.errors import SpecError

@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 from space_robot_description.load import load_robot
-from space_robot_description.reach import reach_of
+from space_robot_description.reach import Distances, chain_of, reach_of
 from space_robot_description.report import coupling_at, robot_report
 from space_robot_description.share import shipped
 from tests.support.description_texts import TWO_LINKS, actuators, joint, link, robot_file, urdf
@@ -65,6 +65,19 @@ def test_sampled_reach_is_below_the_sum_bound(name: str) -> None:
     reach = reach_of(robot)
     assert 0.5 * reach.sum_bound < reach.sampled <= reach.sum_bound * (1 + 1e-12)
     assert reach_of(robot) == reach
+
+
+@pytest.mark.parametrize("name", ["servicer", "panda_gripper", "dual_servicer", "astrobee_like"])
+def test_distances_of_many_postures_are_those_of_pinocchio(name: str) -> None:
+    """All at once as one by one, so that the posture that Pinocchio finds farthest is among those it is asked of."""
+    robot = load_robot(name)
+    tip = robot.model.getFrameId(robot.tool_frame, pin.FrameType.BODY)
+    distances = Distances(robot, chain_of(robot))
+    assert robot.model.frames[tip].parentJoint == chain_of(robot)[-1]
+    postures = np.random.default_rng(4).uniform(-3.0, 3.0, (50, robot.n))
+    one_by_one = [distances(posture) for posture in postures]
+    np.testing.assert_allclose(distances.of_all(postures), one_by_one, rtol=1e-12)
+    assert distances(distances.farthest(postures)) == max(one_by_one)
 
 
 def test_reach_by_hand() -> None:

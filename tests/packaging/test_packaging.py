@@ -33,7 +33,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
 def test_the_wheel_holds_every_module_and_every_config_file(wheel: zipfile.ZipFile) -> None:
     """A file added to the tree is not forgotten in the installation."""
     held = set(wheel.namelist())
-    kinds = (".py", ".j2", ".js", ".css", ".typed", ".txt")
+    kinds = (".py", ".j2", ".js", ".css", ".json", ".typed", ".txt")
     files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.name.endswith(kinds))
     modules = {path.relative_to(ROOT).as_posix() for path in files}
     config = {

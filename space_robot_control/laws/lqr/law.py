@@ -14,8 +14,8 @@ from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.lqr.linear_model import Accepted, Design, make_design
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
+from space_robot_description.actuation import torque_capacity
 from space_robot_description.fields import DYNAMIC
-from space_robot_description.report import torque_capacity
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import SpecError
