@@ -48,7 +48,11 @@ def test_readers_are_asked_for_what_they_lack_by_the_clock_and_not_with_every_me
     writer = ElementTree.parse(DISCOVERY).find(".//data_writer[@is_default_profile='true']", space)
     assert writer is not None
     assert writer.findtext("qos/disable_heartbeat_piggyback", "", space) == "true"
-    assert 1e-9 * int(writer.findtext("times/heartbeatPeriod/nanosec", "", space)) <= 0.5
+    asked, deaf = (
+        1e-9 * int(writer.findtext(f"times/{name}/nanosec", "", space))
+        for name in ("heartbeatPeriod", "nackSupressionDuration")
+    )
+    assert 0.0 < deaf < asked <= 0.5
 
 
 @pytest.mark.parametrize("name", PROFILE_VARIABLES)
