@@ -39,6 +39,7 @@ LAWS: list[dict[str, Any]] = [
     {"law": "mfac", "gains": {"input_order": 3, "units": "printed", "control_weight": 1e-9, "lead": 4.0}},
     {"law": "pd", "gains": {"bandwidth": 0.2}},
     {"law": "pd", "gains": {"bandwidth": 0.2, "outputs": ["yaw", "joint2"], "held": ["joint1"], "filter": {}}},
+    {"law": "reaction_null_space", "gains": {"weight": 0.1}},
     {"law": "damped_hold", "gains": {"rate": 0.3}},
     {"law": "detumble"},
     {"law": "park", "gains": {"posture": {"joint2": 0.3}}},
