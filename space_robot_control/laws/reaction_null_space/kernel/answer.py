@@ -93,8 +93,13 @@ def null_space_memory(joints: int, base: int, followers: int = 0) -> NullSpaceMe
     """Memory for that many joints, rows of the base, and joints that follow others."""
     size, rates = 6 + joints, (np.zeros(joints), np.zeros(joints), np.zeros(joints))
     errors = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(4)
-    room = np.zeros((base, joints)), np.zeros((base, base)), np.zeros(base, dtype=np.int64), np.zeros(base)
-    return NullSpaceMemory(*errors, np.zeros(size), np.zeros(7 + joints), *rates, *room, mass_work(joints, followers))
+    squares, pivots, column = (
+        (np.zeros((base, joints)), np.zeros((base, base))),
+        np.zeros(base, np.int64),
+        np.zeros(base),
+    )
+    motion = *errors, np.zeros(size), np.zeros(7 + joints), *rates
+    return NullSpaceMemory(*motion, *squares, pivots, column, mass_work(joints, followers))
 
 
 def _example() -> NullSpaceContext:
