@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isfinite
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -53,7 +55,7 @@ class NominalModel:
         self.arrays = arrays_of(model)
         self._work = np.zeros((len(self.arrays.links), MOTION_SIZE))
         q, out = np.zeros(7 + robot.n), np.zeros(6 + robot.n)
-        self._inverse_dynamics = bound(inverse_dynamics, self.arrays, q, out, out, self._work, out)
+        self._inverse_dynamics = _code(self.arrays, q, out, out, self._work, out)
 
     def mass_matrix(self, q: Vector) -> Vector:
         """Return the symmetric (6+n, 6+n) M(q) [kg, kg m, kg m2].
@@ -152,3 +154,13 @@ class NominalModel:
         u = self.inverse_dynamics(q, v, a)
         u[:3] = 0.0
         return u, a
+
+
+_found: list[Callable[..., None]] = []
+
+
+def _code(*arguments: Any) -> Callable[..., None]:
+    """The machine code of inverse dynamics, which is the same for all robots; to ask for it again takes time."""
+    if not _found:
+        _found.append(bound(inverse_dynamics, *arguments))
+    return _found[0]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -53,7 +55,7 @@ class WheelMomentum:
         self._read = False
         self._begun: tuple[Vector, float] | None = None
         self._refill()
-        self._apply = bound(apply_to_wheels, self.numbers, np.zeros(6 + robot.n), 0.0) if self.present else None
+        self._apply = _code(self.numbers, np.zeros(6 + robot.n), 0.0) if self.present else None
 
     @property
     def momentum(self) -> Vector:
@@ -105,3 +107,13 @@ class WheelMomentum:
         self.numbers.stored[:] = self._initial
         if self.present:
             self.numbers.momentum[:] = times(self.numbers.able.axes, self._initial)
+
+
+_found: list[Callable[..., None]] = []
+
+
+def _code(*arguments: Any) -> Callable[..., None]:
+    """The machine code, which is the same for all robots; to ask for it again takes time."""
+    if not _found:
+        _found.append(bound(apply_to_wheels, *arguments))
+    return _found[0]

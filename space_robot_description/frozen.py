@@ -84,6 +84,9 @@ class _Copy:
 
     def of(self, value: Any) -> Any:
         """The copy of a value, and of what is in it."""
+        if type(value) in _LEAVES:
+            # Most of all that is copied, and to ask whether it is a mapping takes as long as all else here.
+            return value
         if not isinstance(value, Mapping | list | tuple):
             return self.of_leaf(value)
         if id(value) not in self.made:
@@ -101,3 +104,5 @@ class _Copy:
 
 
 _IN_WORK = object()
+# What a leaf is in YAML and JSON.
+_LEAVES = frozenset((bool, int, float, str, type(None)))

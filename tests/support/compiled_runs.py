@@ -39,6 +39,9 @@ LAWS: list[dict[str, Any]] = [
     {"law": "mfac", "gains": {"input_order": 3, "units": "printed", "control_weight": 1e-9, "lead": 4.0}},
     {"law": "pd", "gains": {"bandwidth": 0.2}},
     {"law": "pd", "gains": {"bandwidth": 0.2, "outputs": ["yaw", "joint2"], "held": ["joint1"], "filter": {}}},
+    {"law": "reaction_null_space", "gains": {"weight": 0.1}},
+    {"law": "lqr", "gains": {"posture_step": 0.05}},
+    {"law": "mpc", "gains": {"horizon": 4, "base_error": 1.0, "joint_error": 2.0}},
     {"law": "damped_hold", "gains": {"rate": 0.3}},
     {"law": "detumble"},
     {"law": "park", "gains": {"posture": {"joint2": 0.3}}},
@@ -82,6 +85,11 @@ def looped(composition: Composition) -> MemorySink:
     sink = run_in_memory(composition, Hooks())
     assert isinstance(sink, MemorySink)
     return sink
+
+
+def compiles(sink: MemorySink) -> bool:
+    """Whether a run has a compiled one: it completes, and no tick takes a solver."""
+    return sink.end_reason == "completed" and not sink.arrays.controller.get("limited", np.zeros(1)).any()
 
 
 def different(first: LogArrays, second: LogArrays) -> list[str]:
