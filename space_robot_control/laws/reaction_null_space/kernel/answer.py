@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.kernel.answers import ANSWERED, UNUSABLE
-from space_robot_control.kernel.dense import factor, solve
 from space_robot_control.kernel.mass import MassWork, inertia_times, mass_work
 from space_robot_control.kernel.nominal import actuated_forces, add_gyroscopic
 from space_robot_control.kernel.tracking import track
 from space_robot_description.kernel.arrays import RobotArrays
 from space_robot_description.kernel.context import kind_of, loaded, stored
+from space_robot_description.kernel.dense import factor, solve
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 
