@@ -6,10 +6,11 @@ import numpy as np
 
 from space_robot_control.kernel.actuators import Actuators
 from space_robot_control.kernel.limits import fits
-from space_robot_description.kernel.linear import least_norm, times
+from space_robot_description.kernel.linear import least_norm
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class CommandLimits:

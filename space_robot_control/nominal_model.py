@@ -11,11 +11,11 @@ import pinocchio as pin
 
 from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE, inverse_dynamics
 from space_robot_description.kernel.jit import bound
-from space_robot_description.kernel.linear import times
 from space_robot_description.known_arrays import arrays_of
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class NominalModel:

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
-from space_robot_description.kernel.linear import inverse, times
+from space_robot_description.kernel.linear import inverse
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command
+from space_robot_msgs_py.kernel.products import times
 
 # Of the unit axes that are left, the smallest singular value with which they still span space.
 MIN_SPAN = 1e-3

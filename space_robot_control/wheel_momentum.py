@@ -11,11 +11,11 @@ import numpy as np
 from space_robot_control.command_limits import CommandLimits
 from space_robot_control.kernel.wheels import Wheels, apply_to_wheels
 from space_robot_description.kernel.jit import bound
-from space_robot_description.kernel.linear import times
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import cross
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class WheelMomentum:

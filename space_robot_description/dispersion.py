@@ -10,12 +10,12 @@ import pinocchio as pin
 from pydantic import Field, NonNegativeFloat, model_validator
 
 from space_robot_description.inertia import inertial_parameters, is_consistent
-from space_robot_description.kernel.linear import dot
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Actuators, IdealTorque, ReactionWheels, Strict, Thrusters
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import InertiaError, SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot
 
 # Orders are part of the result: draws happen body by body, quantity by quantity, whatever the order in the file.
 BODY_QUANTITIES = ("mass", "com", "inertia", "parameters")

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from space_robot_description.kernel.linear import times
 from space_robot_description.link_body import LinkBody
 from space_robot_description.urdf import MOVING, Tree, child_of, kind_of, parent_of
 from space_robot_description.urdf_values import numbers
 from space_robot_msgs_py.errors import InertiaError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.elementary import sincos
+from space_robot_msgs_py.kernel.products import times
 
 _AGREE = 1e-9
 

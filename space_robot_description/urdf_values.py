@@ -11,11 +11,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pinocchio as pin
 
-from space_robot_description.kernel.linear import norm
 from space_robot_description.spec import MAX_MAGNITUDE
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.elementary import sincos
+from space_robot_msgs_py.kernel.products import norm
 
 # What may stand in the elements of which every attribute is used, or refused by name.
 ATTRIBUTES: dict[str, tuple[str, ...]] = {

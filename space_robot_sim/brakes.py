@@ -9,10 +9,11 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from space_robot_description.kernel.arrays import RobotArrays, locked_joints, with_locked_joints
-from space_robot_description.kernel.linear import dot, solve, times
+from space_robot_description.kernel.linear import solve
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.elementary import exp, tanh
+from space_robot_msgs_py.kernel.products import dot, times
 from space_robot_sim.flexible.springs import DAMPING, STIFFNESS
 from space_robot_sim.kernel.period import PlantMemory
 from space_robot_sim.kernel.rhs import COULOMB, COULOMB_VELOCITY, LAG, STORED, VISCOUS

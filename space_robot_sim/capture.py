@@ -9,12 +9,13 @@ import numpy as np
 import pinocchio as pin
 from pydantic import Field, model_validator
 
-from space_robot_description.kernel.linear import dot, solve, times
+from space_robot_description.kernel.linear import solve
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.payload import Payload, held_body
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict, Three
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot, times
 
 
 class TargetSpec(Strict):

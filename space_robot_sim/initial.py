@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from space_robot_description.kernel.linear import norm as length
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.kernel.products import norm as length
 from space_robot_msgs_py.vectors import Vector, vector
 from space_robot_sim.spec import Hold, MonitorSpec
 

@@ -12,11 +12,11 @@ from space_robot_description.actuation import brake_torque, command_limit
 from space_robot_description.kernel.arrays import RobotArrays, locked_joints
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.kernel.jit import bound
-from space_robot_description.kernel.linear import times
 from space_robot_description.known_arrays import arrays_of
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
+from space_robot_msgs_py.kernel.products import times
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.brakes import JointBrakes, stop
 from space_robot_sim.capture import FreeBody, RobotChange, catch

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from space_robot_description.kernel.linear import times
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 from space_robot_sim.kernel.allocation import Capability
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_bringup.judge.metrics import Axis, Matrix, RunMetrics, axis_names, deviations
-from space_robot_description.kernel.linear import dot
 from space_robot_msgs_py.errors import LayoutError, NonFiniteError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Tick, Vector
+from space_robot_msgs_py.kernel.products import dot
 from space_robot_msgs_py.log.arrays import stack_telemetry
 from space_robot_msgs_py.log.blocks import BLOCK
 

@@ -12,13 +12,13 @@ from space_robot_control.references.profile import in_body, nanoseconds, quintic
 from space_robot_control.references.rows import identity_of
 from space_robot_control.references.spec import HarmonicSpec, Wave, Waves
 from space_robot_control.references.targets import check_limits, configuration
-from space_robot_description.kernel.linear import times
-from space_robot_description.kernel.rows import sincos_rows
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import from_rpy, rpy_rates, to_rpy
 from space_robot_description.spec import check_joint_names
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector
+from space_robot_msgs_py.kernel.elementary import sincos
+from space_robot_msgs_py.kernel.products import times
 
 
 class Harmonic:
@@ -71,8 +71,7 @@ class Harmonic:
         ramp, rise, bend = quintic(elapsed / self._soft_start)
         rise, bend = rise / seconds, bend / (seconds * seconds)
         angle = self._omega * (1e-9 * elapsed) + self._phase
-        wave, cosine = np.empty_like(angle), np.empty_like(angle)
-        sincos_rows(angle, wave, cosine)
+        wave, cosine = np.array([sincos(one) for one in angle.tolist()]).reshape(-1, 2).T
         dwave = self._omega * cosine
         ddwave = -self._omega * self._omega * wave
         # Rows: the waves and their derivatives; the ramp comes in by the product rule for (r f), (r f)', (r f)''.

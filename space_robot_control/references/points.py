@@ -8,10 +8,10 @@ import numpy as np
 
 from space_robot_control.references.profile import in_body, quintic
 from space_robot_control.references.rows import identity_of
-from space_robot_description.kernel.linear import dot
 from space_robot_description.rotations import exp, log, product, relative
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector
+from space_robot_msgs_py.kernel.products import dot
 
 
 class Hold:

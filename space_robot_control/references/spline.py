@@ -8,8 +8,9 @@ from typing import cast
 
 import numpy as np
 
-from space_robot_description.kernel.linear import solve, times
+from space_robot_description.kernel.linear import solve
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class RestToRestSpline:

@@ -10,11 +10,12 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
-from space_robot_description.kernel.linear import solve, times
+from space_robot_description.kernel.linear import solve
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import Quaternion, conjugate, log, normalized, product, rotate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 TOLERANCE = 1e-11  # [m, rad]
 ITERATIONS = 40

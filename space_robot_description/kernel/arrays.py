@@ -13,8 +13,8 @@ import numpy.typing as npt
 from space_robot_description.kernel.coupling import COORDINATE, NOTHING_COUPLED, coupling_of
 from space_robot_description.kernel.jit import constants
 from space_robot_description.kernel.joints import joint_axes
-from space_robot_description.kernel.linear import dot, norm, times
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot, norm, times
 
 # Columns of `links`: rotation to the parent (9), origin in the parent (3), mass, mass * com (3), inertia at origin (6).
 ROTATION, ORIGIN, MASS, MOMENT, INERTIA, LINK_SIZE = constants(0, 9, 12, 13, 16, 22)

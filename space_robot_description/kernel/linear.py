@@ -1,31 +1,14 @@
-"""Products and solutions of small matrices, with sums of one order: equal bits on every processor.
+"""Solutions of small linear systems, with sums of one order: equal bits on every processor.
 
-BLAS and LAPACK, behind ``@`` and ``numpy.linalg``, sum as it suits the processor.
+LAPACK, behind ``numpy.linalg``, sums as it suits the processor.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from space_robot_description.kernel.dense import factor
-from space_robot_description.kernel.dense import solve as solve_factored
 from space_robot_msgs_py.interfaces import Vector
-
-
-def times(a: Vector, b: Vector) -> Vector:
-    """Return a b of a (i, j) and b (j,) or (j, k), or of a stack a (m, i, j) and b (j, k)."""
-    out: Vector = np.einsum("...ij,j->...i" if b.ndim == 1 else "...ij,jk->...ik", a, b)
-    return out
-
-
-def dot(a: Vector, b: Vector) -> float:
-    """Return the sum of a_i b_i."""
-    return float(np.sum(np.multiply(a, b)))
-
-
-def norm(a: Vector) -> float:
-    """Return the length of a vector."""
-    return float(np.sqrt(dot(a, a)))
+from space_robot_msgs_py.kernel.products import dot, norm, times
 
 
 def solve(a: Vector, b: Vector) -> Vector:
@@ -38,13 +21,18 @@ def solve(a: Vector, b: Vector) -> Vector:
     Raises:
         numpy.linalg.LinAlgError: a has no inverse.
     """
-    factors, pivots = np.array(a, dtype=np.float64, order="C"), np.empty(a.shape[0], dtype=np.int64)
-    if not factor(factors, pivots):
-        raise np.linalg.LinAlgError("Singular matrix")
-    columns = np.array(b.T, dtype=np.float64, ndmin=2, order="C")
-    for column in columns:
-        solve_factored(factors, pivots, column)
-    return np.ascontiguousarray(columns.T).reshape(b.shape)
+    size, columns = a.shape[0], b.reshape(a.shape[0], -1)
+    rows = np.hstack((a, columns))
+    for k in range(size):
+        best = k + int(np.argmax(np.abs(rows[k:, k])))
+        rows[[k, best]] = rows[[best, k]]
+        if rows[k, k] == 0.0:
+            raise np.linalg.LinAlgError("Singular matrix")
+        rows[k + 1 :, k:] -= rows[k + 1 :, k, None] / rows[k, k] * rows[k, k:]
+    out = rows[:, size:]
+    for k in range(size - 1, -1, -1):
+        out[k] = (out[k] - np.sum(rows[k, k + 1 : size, None] * out[k + 1 :], axis=0)) / rows[k, k]
+    return np.array(out.reshape(b.shape))
 
 
 def inverse(a: Vector) -> Vector:

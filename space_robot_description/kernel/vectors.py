@@ -158,4 +158,7 @@ for _function, _code in IN_HARDWARE.items():
 
 @overload(power_of_two)  # type: ignore[untyped-decorator]
 def _power_of_two(n: Any) -> Any:
-    return (lambda n: _exponent(n)) if isinstance(n, Several) else None
+    def of_several(n: Any) -> Any:
+        return _exponent(n)
+
+    return of_several if isinstance(n, Several) else None

@@ -17,6 +17,8 @@ from collections.abc import Callable
 from math import copysign, frexp, inf, ldexp, nan
 from typing import Any
 
+import numpy as np
+
 # Adding and taking it away again rounds to an integer.
 _ROUND = 6755399441055744.0
 # Halves of the digits of a number, for exact products.
@@ -78,17 +80,21 @@ def atan2(y: float, x: float) -> float:
         t, base, rest = (small - large) / (small + large), 0.25 * _PI, 0.25 * _PI_REST
     else:
         t, base, rest = small / large if large > 0.0 else 0.0, 0.0, 0.0
-    z = t * t
-    p = 0.04551108126325172 + z * (-0.034558092551413795 + z * 0.01627194475162406)
-    p = -0.06666423628069258 + z * (0.058789145444006215 + z * (-0.052303478730160745 + z * p))
-    p = 0.11111111105106705 + z * (-0.09090908751076636 + z * (0.0769229630497447 + z * p))
-    p = -0.3333333333333333 + z * (0.199999999999998 + z * (-0.14285714285659326 + z * p))
-    angle, rest = base + (rest + (t + t * z * p)), 0.0
+    angle = base + (rest + _arctangent(t))
     if across > along:
         angle = 0.5 * _PI - (angle - 0.5 * _PI_REST)
     if x < 0.0 or (large == 0.0 and copysign(1.0, x) < 0.0):
         angle = _PI - (angle - _PI_REST)
     return copysign(angle, y)
+
+
+def atan2_rows(y: Any, x: Any) -> Any:
+    """``atan2`` of arrays (m,) of numbers not below zero, up to 1e300."""
+    large, small = np.maximum(x, y), np.minimum(x, y)
+    steep, some = small > _TAN_PI_8 * large, large > 0.0
+    t = np.divide(np.where(steep, small - large, small), np.where(steep, small + large, large), where=some, out=0.0 * x)
+    angle = np.where(steep, 0.25 * _PI, 0.0) + (np.where(steep, 0.25 * _PI_REST, 0.0) + _arctangent(t))
+    return np.where(y > x, 0.5 * _PI - (angle - 0.5 * _PI_REST), angle)
 
 
 def power_of_two(n: float) -> float:
@@ -132,6 +138,16 @@ def power(x: float, y: float) -> float:
     high, low = _log_of(x)
     product = y * high
     return _exp_of(product, _lost(y, high, product) + y * low)
+
+
+def _arctangent(t: Any) -> Any:
+    """Of a number, or numbers, up to tan(pi/8)."""
+    z = t * t
+    p = 0.04551108126325172 + z * (-0.034558092551413795 + z * 0.01627194475162406)
+    p = -0.06666423628069258 + z * (0.058789145444006215 + z * (-0.052303478730160745 + z * p))
+    p = 0.11111111105106705 + z * (-0.09090908751076636 + z * (0.0769229630497447 + z * p))
+    p = -0.3333333333333333 + z * (0.199999999999998 + z * (-0.14285714285659326 + z * p))
+    return t + t * z * p
 
 
 def _exp_of(x: float, low: float) -> float:
@@ -184,4 +200,4 @@ def _lost(a: float, b: float, product: float) -> float:
 
 # What kernels may call, and what these call.
 FUNCTIONS: tuple[Callable[..., Any], ...] = (sincos, sin, cos, atan2, power_of_two, exp, expm1, tanh, log, power)
-FUNCTIONS += (_exp_of, _exp_reduced, _log_of, _lost)
+FUNCTIONS += (_arctangent, _exp_of, _exp_reduced, _log_of, _lost)

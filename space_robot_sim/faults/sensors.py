@@ -11,11 +11,11 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field, PositiveFloat, model_validator
 
-from space_robot_description.kernel.linear import dot, norm
 from space_robot_description.rotations import exp, from_rpy, log, product, rotate_inverse
 from space_robot_description.spec import Three
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot, norm
 from space_robot_sim.faults.base import Fault, FaultSite
 from space_robot_sim.sensor_rule import MAX_DELAY
 

@@ -11,11 +11,11 @@ import numpy as np
 import pinocchio as pin
 
 from space_robot_description.inertia import check_body, check_inertia
-from space_robot_description.kernel.linear import dot, norm, times
 from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import tensor
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import InertiaError, SpecError
+from space_robot_msgs_py.kernel.products import dot, norm, times
 from space_robot_sim.flexible.spec import Appendage, FlexibilitySpec, Slosh, SpringBody
 
 KEY = "plant.flexibility"

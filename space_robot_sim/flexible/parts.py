@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from space_robot_description.kernel.linear import dot
 from space_robot_description.robot import Robot
 from space_robot_description.spec import check_joint_names, expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot
 from space_robot_sim.flexible.bodies import KEY, hidden_bodies, with_hidden
 from space_robot_sim.flexible.modes import linear_rates
 from space_robot_sim.flexible.spec import FlexibilitySpec, JointFlexibility

@@ -13,10 +13,10 @@ import pinocchio as pin
 from space_robot_description.kernel import jit
 from space_robot_description.kernel.arrays import robot_arrays
 from space_robot_description.kernel.jit import bound
-from space_robot_description.kernel.linear import times
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import Three, conjugate, cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 from space_robot_sim.grasp.kernel.step import GraspRule, grasp_step, grasp_work
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.orbit import Orbit, crosses

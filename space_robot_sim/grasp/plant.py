@@ -8,10 +8,10 @@ from collections import deque
 import numpy as np
 
 from space_robot_description.actuation import command_limit
-from space_robot_description.kernel.linear import norm as length_of
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
+from space_robot_msgs_py.kernel.products import norm as length_of
 from space_robot_sim.command_hold import Acting, CommandHold
 from space_robot_sim.command_monitor import CommandMonitor
 from space_robot_sim.grasp.conservation import ConservationBalance

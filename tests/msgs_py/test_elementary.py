@@ -10,7 +10,7 @@ import pytest
 
 from space_robot_description.kernel import jit
 from space_robot_msgs_py.kernel import elementary
-from space_robot_msgs_py.kernel.elementary import atan2, cos, exp, expm1, log, power, sin, sincos, tanh
+from space_robot_msgs_py.kernel.elementary import atan2, atan2_rows, cos, exp, expm1, log, power, sin, sincos, tanh
 
 RNG = np.random.default_rng(7)
 WIDE = RNG.uniform(-700.0, 700.0, 3000).tolist()
@@ -44,6 +44,11 @@ def test_angles_of_points_are_as_exact_as_said() -> None:
     for y, x in zip(SIGNED, reversed(SIGNED), strict=True):
         expected = math.atan2(y, x)
         assert abs(atan2(y, x) - expected) <= 2.0 * math.ulp(expected), (y, x)
+    rows = np.abs(SIGNED), np.abs(SIGNED[::-1])
+    np.testing.assert_array_equal(atan2_rows(*rows), [atan2(*pair) for pair in zip(*rows, strict=True)])
+    np.testing.assert_array_equal(
+        atan2_rows(np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])), [0.0, 0.5 * math.pi, 0.0]
+    )
     zeros = [(y, x) for y in (0.0, -0.0, 1.0, -1.0, math.inf) for x in (0.0, -0.0, 1.0, -1.0, math.inf, -math.inf)]
     for y, x in zeros:
         assert abs(atan2(y, x) - math.atan2(y, x)) <= math.ulp(math.atan2(y, x))

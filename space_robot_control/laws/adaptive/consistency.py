@@ -11,9 +11,10 @@ import numpy as np
 from space_robot_control.laws.adaptive.kernel.consistency import assess
 from space_robot_description.inertia import pseudo_inertia
 from space_robot_description.kernel.dense import diagonalise
-from space_robot_description.kernel.linear import least_norm, times
+from space_robot_description.kernel.linear import least_norm
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.elementary import exp
+from space_robot_msgs_py.kernel.products import times
 
 PER_BODY = 10
 MIN_EIGENVALUE = 1e-9  # of a projected pseudo-inertia, relative to its trace

@@ -7,9 +7,9 @@ from math import inf, isfinite
 import numpy as np
 
 from space_robot_control.laws.adaptive.kernel.least_squares import correct, covariance_times
-from space_robot_description.kernel.linear import dot
 from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot
 
 MAX_GROWTH = 1e3  # of the trace of the covariance, over that of its start
 

@@ -10,9 +10,9 @@ import pinocchio as pin
 from space_robot_description.inertia import inertial_parameters
 from space_robot_description.kernel.coupling import COORDINATE, MULTIPLIER, OFFSET, coupling_of
 from space_robot_description.kernel.joints import joint_axes
-from space_robot_description.kernel.linear import times
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 PER_BODY = 10
 _MASSLESS = 3  # of the four joints that carry the base the last one has its body

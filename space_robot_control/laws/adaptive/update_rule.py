@@ -9,9 +9,9 @@ import numpy as np
 from space_robot_control.laws.adaptive.gains import AdaptiveGains
 from space_robot_control.laws.adaptive.kernel.answer import UpdateRule
 from space_robot_control.laws.adaptive.least_squares import MAX_GROWTH
-from space_robot_description.kernel.linear import dot
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.elementary import exp
+from space_robot_msgs_py.kernel.products import dot
 
 
 def update_rule(gains: AdaptiveGains, period: float, prior: Vector) -> UpdateRule:

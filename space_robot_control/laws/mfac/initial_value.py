@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from space_robot_description.kernel.linear import dot, least_squares, times
+from space_robot_description.kernel.linear import least_squares
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot, times
 
 
 @dataclass(frozen=True, eq=False, slots=True)
