@@ -34,7 +34,7 @@ def mass_matrix(model: Any, q: Vector) -> Vector:
 def reduced_mass_matrix(model: Any, joints: Vector) -> Vector:
     """Return (3+n, 3+n) of base rotation and joints, the translation of the base eliminated [kg m2, kg m, kg].
 
-    ``M_red = M_rr - M_rt M_tt^-1 M_tr`` with t: base translation, r: base rotation and joints; M_tt is the mass times the
+    ``M_red = M_rr - M_rt M_tt^-1 M_tr`` with t: base translation, r: base rotation and joints; M_tt is mass times
     identity.
 
     Args:

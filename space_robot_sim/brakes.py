@@ -151,7 +151,7 @@ def _applied(plant: PlantMemory, motors: Vector, v: Vector, period: float) -> Ve
             late = lag * (1.0 - exp(-period / lag)) / period
             out[6 + joint] += (plant.motors[joint] - out[6 + joint]) * late
         out[6 + joint] -= motors[joint, VISCOUS] * rate
-        out[6 + joint] -= motors[joint, COULOMB] * tanh(rate / motors[joint, COULOMB_VELOCITY])
+        out[6 + joint] -= motors[joint, COULOMB] * tanh(float(rate / motors[joint, COULOMB_VELOCITY]))
     if plant.springs.size:
         out[6:] -= plant.springs[:, STIFFNESS] * plant.y[7 : 7 + n] + plant.springs[:, DAMPING] * v[6:]
     return out

@@ -118,7 +118,7 @@ def tanh(x: float) -> float:
     """Hyperbolic tangent."""
     t = expm1(-2.0 * abs(x))
     # The sign without a branch; zero stays zero.
-    sign = max(min(x * 1e308 * 1e308, 1.0), -1.0)
+    sign = max(min(max(min(x, 1.0), -1.0) * 1e300, 1.0), -1.0)
     return sign * (t / (-2.0 - t))
 
 

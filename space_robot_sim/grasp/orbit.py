@@ -23,7 +23,7 @@ class Orbit:
     """
 
     def __init__(self, spec: OrbitSpec) -> None:
-        self._radius, self._rate = spec.radius, sqrt(spec.mu / spec.radius * spec.radius * spec.radius)
+        self._radius, self._rate = spec.radius, sqrt(spec.mu / (spec.radius * spec.radius * spec.radius))
 
     @property
     def rate(self) -> float:
