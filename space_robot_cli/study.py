@@ -76,5 +76,6 @@ def announce(console: Console, laws: Iterable[str], *, plant: bool = True) -> No
     """Say what has to be compiled before the first run, if something has to."""
     from space_robot_bringup.modes.compilation import notice
 
-    if line := notice(laws, plant=plant):
+    # What runs elsewhere is compiled there.
+    if line := notice(laws, plant=plant, many=plant):
         console.print(line)

@@ -279,3 +279,15 @@ def commands() -> list[float]:
 def test_runs_without_numba() -> None:
     """The same text uncompiled gives the same commands, estimates and covariance to 1e-12, without a warning."""
     np.testing.assert_allclose(commands_without_numba(__name__), commands(), rtol=1e-12, atol=1e-12)
+
+
+def test_the_compilation_notice_of_a_study_names_what_runs_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a law can run side by side with others; not of a single run, nor where it is ready."""
+    monkeypatch.setattr(compiling, "plant_must_compile", lambda: False)
+    monkeypatch.setattr(Adaptive, "must_compile", lambda: False)
+    monkeypatch.setattr(compiling, "cached", lambda source, function: False)
+    assert compiling.LANES.is_file()
+    assert compiling.notice(["adaptive"], many=True) == "compiling side-by-side runs, once (about 15 s)"
+    assert compiling.notice(["adaptive"]) == compiling.notice(["mpc", "no such law"], many=True) == ""
+    monkeypatch.setattr(compiling, "cached", lambda source, function: True)
+    assert compiling.notice(["adaptive"], many=True) == ""
