@@ -94,7 +94,9 @@ def name_exists(name: str, before: tuple[str, ...]) -> bool:
         return word in tree().functions or word in tree().classes
     if word.startswith("space_robot_"):
         return word in tree().modules or word in tree().functions
-    return not CAMEL.fullmatch(word) or word in tree().classes or any(word in bound for bound in tree().modules.values())
+    return (
+        not CAMEL.fullmatch(word) or word in tree().classes or any(word in bound for bound in tree().modules.values())
+    )
 
 
 def path_exists(word: str) -> bool:
