@@ -63,6 +63,7 @@ def test_a_run_that_fails_is_run_by_the_loop() -> None:
         ["controller={law: mfac, gains: {initial: {source: pulses, seconds: 1.0}}}"],
         ["controller={law: mfac, gains: {adjust: true}}"],
         ["controller.gains={update: rls, consistency: project}"],
+        ["controller={law: mpc, gains: {base_error: 0.001}}", "initial.attitude_deg=[60, 0, 0]"],
         ["plant.integrator.kernel=pinocchio"],
         ["plant.monitor={limit: {factor: 1e-6, response: clip}}"],
         ["plant.monitor={rate: {factor: 1e-9, response: refuse}}"],

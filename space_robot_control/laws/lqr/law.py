@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import log
+from pathlib import Path
+from types import ModuleType
 from typing import ClassVar
 
 import numpy as np
@@ -11,7 +13,7 @@ from pydantic import Field, PositiveFloat
 
 from space_robot_control.kernel.answers import UNUSABLE
 from space_robot_control.laws.base import Blocks, Law, Review
-from space_robot_control.laws.compiled import Answering, CompiledLaw, Function, Layout
+from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
 from space_robot_control.laws.lqr.kernel import answer as kernel
 from space_robot_control.laws.lqr.kernel.design import DesignMemory, RegulatorRule
@@ -21,6 +23,7 @@ from space_robot_control.nominal_model import NominalModel
 from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.actuation import torque_capacity
 from space_robot_description.fields import DYNAMIC
+from space_robot_description.kernel.cache import cached
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
@@ -89,6 +92,7 @@ class Lqr(Law):
         "designs": "postures for which K was computed so far [-]",
     }
     gains: Gains
+    _kernel: ClassVar[ModuleType] = kernel
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
@@ -97,9 +101,13 @@ class Lqr(Law):
         self._effort = _limits(robot, type(self).name)[self._first :]
         self._memory = regulator_memory(robot.n, self._effort.size, self._periods(), len(robot.mimics))
         self._row = self._telemetry_layout()
-        self._form = self._compiled_form()
-        self._answer = Answering(self._form, robot.n, self._row)
+        self._answer = Answering(self._kernel.answer, robot.n, self._row)
         self.retune(self.gains)
+
+    @classmethod
+    def must_compile(cls) -> bool:
+        """True before the first such law on a machine."""
+        return not cached(Path(str(cls._kernel.__file__)), cls._kernel.answer.__name__)
 
     def retune(self, gains: Gains) -> None:
         """Go on with other accepted errors, from the next update on."""
@@ -121,7 +129,7 @@ class Lqr(Law):
 
     def compiled(self) -> CompiledLaw:
         """The law for compiled runs."""
-        return CompiledLaw(self._form, self._context, self._row)
+        return CompiledLaw(self._kernel.answer, self._context, self._row)
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Find how fast the sampled loop is where the robot starts."""
@@ -167,9 +175,6 @@ class Lqr(Law):
         n, m = self.n, self._effort.size
         errors = {"position_error": 3, "attitude_error": 3, "joint_error": n, "twist_error": 6, "joint_rate_error": n}
         return Layout.of({**errors, "feedback": m, "designs": 1})
-
-    def _compiled_form(self) -> Function:
-        return kernel.answer
 
     def _context_of(self, rule: RegulatorRule) -> Context:
         return context_of(kernel.RegulatorContext(rule, self._memory, self.model.arrays), kernel.keep)

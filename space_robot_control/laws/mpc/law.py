@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import cached_property
+from types import ModuleType
 from typing import ClassVar
 
 import numpy as np
 from pydantic import Field
 
 from space_robot_control.laws.base import Blocks
-from space_robot_control.laws.compiled import CompiledLaw, Function, Layout
+from space_robot_control.laws.compiled import CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRanges
 from space_robot_control.laws.lqr.kernel.design import RegulatorRule
 from space_robot_control.laws.lqr.kernel.regulator import DESIGNS
@@ -61,6 +62,7 @@ class LinearMpc(Lqr):
         "iterations": "of the solver [-]",
     }
     gains: Gains
+    _kernel: ClassVar[ModuleType] = kernel
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         check_installed()
@@ -119,9 +121,6 @@ class LinearMpc(Lqr):
     def _telemetry_layout(self) -> Layout:
         found = super()._telemetry_layout()
         return Layout((*found.labels, "limited", "iterations"), (*found.sizes, 1, 1))
-
-    def _compiled_form(self) -> Function:
-        return kernel.answer
 
     def _context_of(self, rule: RegulatorRule) -> Context:
         values = kernel.PredictiveContext(rule, self._memory, self.model.arrays, self._limits.rule)

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
+from space_robot_control.kernel import matrices
+from space_robot_control.laws.lqr.kernel import riccati
 from space_robot_control.laws.lqr.kernel.design import DesignMemory
 from space_robot_control.laws.lqr.kernel.riccati import SOLVED, UNSOLVED, UNSTABLE, riccati_room, solve_riccati
 from space_robot_control.laws.lqr.law import Lqr
 from space_robot_control.laws.lqr.reference import Lqr as OnOneScreen
 from space_robot_control.references import make_reference
+from space_robot_description.kernel import jit
 from space_robot_description.kernel.jit import kernel
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
@@ -100,6 +106,30 @@ def test_a_mode_that_no_input_reaches_is_an_error(pole: float) -> None:
     cost, gain, closed = np.zeros((2, 2)), np.zeros((1, 2)), np.zeros((2, 2))
     status = solved(a, b, riccati_room(2, 1), cost, gain, closed)
     assert status in ((SOLVED,) if pole < 1.0 else (UNSOLVED, UNSTABLE))
+
+
+def test_without_a_compiler_the_equation_is_solved_to_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The plain Python text, whose rows are summed by NumPy, has every bit of the compiled one."""
+    design = design_at(ROBOTS[1], np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *ROBOTS[1].home]), 0.25)
+    s, m = design.b.shape
+    monkeypatch.setattr(jit, "MACHINE_CODE", False)
+    monkeypatch.setattr(jit, "numba", None)
+    monkeypatch.setitem(sys.modules, matrices.__name__, loaded_again(matrices))
+    cost, gain, closed = np.zeros((s, s)), np.zeros((m, s)), np.zeros((s, s))
+    plain = loaded_again(riccati)
+    assert plain.solve_riccati(design.a, design.b, plain.riccati_room(s, m), cost, gain, closed) == SOLVED
+    for found, expected in ((cost, design.cost), (gain, design.gain), (closed, design.closed)):
+        assert found.tobytes() == expected.tobytes()
+
+
+def loaded_again(module: ModuleType) -> Any:
+    """The module made from its file once more, under a name that no one imports."""
+    spec = spec_from_file_location(f"plain_{module.__name__}", str(module.__file__))
+    assert spec is not None
+    assert spec.loader is not None
+    again = module_from_spec(spec)
+    spec.loader.exec_module(again)
+    return again
 
 
 def test_other_accepted_errors_act_from_the_next_update_on() -> None:
