@@ -288,6 +288,6 @@ def test_the_compilation_notice_of_a_study_names_what_runs_many(monkeypatch: pyt
     monkeypatch.setattr(compiling, "cached", lambda source, function: False)
     assert compiling.LANES.is_file()
     assert compiling.notice(["adaptive"], many=True) == "compiling side-by-side runs, once (about 15 s)"
-    assert compiling.notice(["adaptive"]) == compiling.notice(["mpc", "no such law"], many=True) == ""
+    assert compiling.notice(["adaptive"]) == compiling.notice(["none", "no such law"], many=True) == ""
     monkeypatch.setattr(compiling, "cached", lambda source, function: True)
     assert compiling.notice(["adaptive"], many=True) == ""
