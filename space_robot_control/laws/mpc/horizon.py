@@ -8,6 +8,7 @@ import numpy as np
 
 from space_robot_control.laws.lqr.kernel.design import DesignMemory
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -37,14 +38,14 @@ def make_horizon(design: DesignMemory, periods: int) -> Horizon:
     phi, gamma = np.empty((periods, size, size)), np.zeros((periods, size, periods, m))
     power = np.identity(size)
     for k in range(periods):
-        effect = power @ design.b
+        effect = times(power, design.b)
         for row in range(k, periods):
             gamma[row, :, row - k] = effect
-        power = design.a @ power
+        power = times(design.a, power)
         phi[k] = power
     weighted = gamma.copy()
-    weighted[-1] = np.tensordot(design.cost, gamma[-1], axes=1)
+    weighted[-1] = np.einsum("ij,jkl->ikl", design.cost, gamma[-1])
     flat = weighted.reshape(periods * size, periods * m)
-    hessian = np.identity(periods * m) + flat.T @ gamma.reshape(periods * size, periods * m)
+    hessian = np.identity(periods * m) + times(flat.T, gamma.reshape(periods * size, periods * m))
     hessian = 0.5 * (hessian + hessian.T)
-    return Horizon(hessian, flat.T @ phi.reshape(periods * size, size))
+    return Horizon(hessian, times(flat.T, phi.reshape(periods * size, size)))

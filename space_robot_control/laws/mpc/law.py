@@ -23,6 +23,7 @@ from space_robot_control.laws.mpc.solver import check_installed, solve
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class LinearMpc(Lqr):
@@ -101,7 +102,7 @@ class LinearMpc(Lqr):
         """Write u (6+n,), the feed-forward so far, and the row: the first of the inputs that cost least."""
         horizon, limits, memory, m = self._horizon_of(), self._limits, self._memory, self._effort.size
         low, high, *slab = limits.bounds(u)
-        slope = horizon.slope @ memory.x
+        slope = times(horizon.slope, memory.x)
         z, iterations = solve(horizon.hessian, slope, (low, high), limits.rows, (slab[0], slab[1]))
         feedback = self._effort * z[:m]
         u[self._first :] += feedback

@@ -8,6 +8,7 @@ from space_robot_control.command_limits import CommandLimits
 from space_robot_control.laws.mpc.kernel.answer import LimitRule
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class HorizonLimits:
@@ -43,7 +44,7 @@ class HorizonLimits:
             feedforward: u (6+n,), taken as constant over the horizon [N, N m].
         """
         there = feedforward[self._first :]
-        wheels = self._share @ there
+        wheels = times(self._share, there)
         return (
             np.tile((-self._limit - there) / self._effort, self._periods),
             np.tile((self._limit - there) / self._effort, self._periods),

@@ -15,6 +15,7 @@ import numpy as np
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.extras import install
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 EXACT, MAX_ITERATIONS = 1e-9, 100
 # How far beyond a bound of size 1 an answer may lie; what is left is cut off.
@@ -72,7 +73,7 @@ def solve(
     if status != piqp.PIQP_SOLVED:
         raise ControlError("the solver did not converge", key="mpc", value=status.name, accepted="PIQP_SOLVED")
     z = np.array(solver.result.x)
-    return _within(z, box, rows @ z, slab), int(solver.result.info.iter)
+    return _within(z, box, times(rows, z), slab), int(solver.result.info.iter)
 
 
 def _within(z: Vector, box: tuple[Vector, Vector], product: Vector, slab: tuple[Vector, Vector]) -> Vector:
