@@ -22,13 +22,13 @@ def test_an_old_processor_gives_the_same_bits() -> None:
     assert digests_elsewhere(ALL, LIKE_HERE) == digests(ALL)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_plain_python_gives_the_same_bits() -> None:
     """Nor where nothing is compiled; the short form has compiled kernels, which other tests compare with Python."""
     assert digests_elsewhere(ALL, INTERPRETED, ticks=4) == digests(ALL, ticks=4)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_kernels_compiled_for_an_old_processor_give_the_same_bits() -> None:
     """Two draws of everything; the short form has kernels compiled for the processor that is there."""
     seeds = range(2 * len(LAWS))
