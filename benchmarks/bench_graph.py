@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
@@ -16,6 +16,7 @@ from typing import Any
 
 from rclpy.experimental import EventsExecutor
 
+from benchmarks.hops import go_round
 from space_robot_bringup.compose.composition import Composition, compose
 from space_robot_bringup.experiment.experiment import load_experiment, with_duration
 from space_robot_bringup.modes.context import private_context
@@ -29,6 +30,7 @@ from space_robot_msgs_py.topics import Topic, topics_of
 
 CASE = "liu2023/fig08"
 BARE = "one process, the same messages, nothing computed"
+HOPS = "one process, the same messages on the same ways, an addition in each node"
 RATIO = "one process, recorded: times the speed of the same messages, nothing computed"
 TICKS = 1000
 STRETCH = 5
@@ -115,6 +117,7 @@ def run() -> dict[str, float]:
                     row, place = f"{mode}, recorded, period {period:g} s", Path(scratch) / f"{mode}_{period:g}_{repeat}"
                     _note(row, run_once(composition, place, TICKS), walls, cpus)
             _note(BARE, _transport(composition, TICKS), walls, cpus)
+            _note(HOPS, _hops(TICKS), walls, cpus)
     table = {f"{row}: ticks/s": 1.0 / median(times) for row, times in walls.items()}
     # Of processes of their own this one knows no CPU time.
     table |= {f"{row}: us of CPU per tick": 1e6 * min(times) for row, times in cpus.items() if "four" not in row}
@@ -172,12 +175,37 @@ def _processes(composition: Composition, place: Path, ticks: int) -> tuple[float
     return watch.seconds_per_tick
 
 
-def _transport(composition: Composition, ticks: int) -> tuple[float, float]:
-    """The messages of one real tick go round between three nodes that look at none of them."""
+def _messages(composition: Composition) -> dict[Topic, bytes]:
+    """Those of one real tick."""
     state, reference = composition.plant().reset(), composition.reference().at(0)
     output = composition.controller().update(state.state, reference)
     raws = TickCodec(composition.joint_names).encode(Tick(state, reference, output))
-    messages = {topic: raw for topic, raw in zip(LOGGED, raws, strict=True) if raw is not None}
+    return {topic: raw for topic, raw in zip(LOGGED, raws, strict=True) if raw is not None}
+
+
+def hops(ticks: int, on_tick: Callable[[int], None]) -> dict[str, int]:
+    """The messages of a tick between the four nodes of a run, which are rclpy's own and add one to some numbers.
+
+    Args:
+        ticks: how often they go round.
+        on_tick: called with the number of each, from 1.
+
+    Returns:
+        How many messages each node takes in a tick.
+    """
+    with private_context() as context:
+        return go_round(_messages(_composition(PERIODS[1], TICKS)), ticks, on_tick, context)
+
+
+def _hops(ticks: int) -> tuple[float, float]:
+    watch = Stopwatch(ticks)
+    hops(ticks, watch.reach)
+    return watch.seconds_per_tick
+
+
+def _transport(composition: Composition, ticks: int) -> tuple[float, float]:
+    """The messages of one real tick go round between three nodes that look at none of them."""
+    messages = _messages(composition)
     world = {topic: raw for topic, raw in messages.items() if topic.publisher == "simulator"}
     mind = {topic: raw for topic, raw in messages.items() if topic.publisher != "simulator"}
     states, commands = topics_of("state"), topics_of("command")

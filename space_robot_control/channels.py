@@ -8,6 +8,7 @@ import numpy as np
 
 from space_robot_control.nominal_model import NominalModel
 from space_robot_description.actuation import torque_capacity
+from space_robot_description.kernel.linear import inverse
 from space_robot_description.robot import Robot
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import SpecError
@@ -83,9 +84,9 @@ class Channels:
         if self._held.size:
             q = np.array(q)
             q[7 + self._held] = self._robot.home[self._held]
-        inverse = np.linalg.inv(model.mass_matrix(q)[np.ix_(self._free, self._free)])
+        whole = inverse(model.mass_matrix(q)[np.ix_(self._free, self._free)])
         chosen = np.searchsorted(self._free, self.index)
-        out: Vector = inverse[np.ix_(chosen, chosen)]
+        out: Vector = whole[np.ix_(chosen, chosen)]
         return out
 
     def spread(self, inputs: Vector) -> Vector:

@@ -6,9 +6,11 @@ import numpy as np
 
 from space_robot_control.kernel.actuators import Actuators
 from space_robot_control.kernel.limits import fits
+from space_robot_description.kernel.linear import least_norm
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class CommandLimits:
@@ -35,7 +37,7 @@ class CommandLimits:
         if isinstance(torque, ReactionWheels):
             axes = np.array(torque.axes).T
             self.axes = axes / np.linalg.norm(axes, axis=0)
-            self.share = np.ascontiguousarray(np.linalg.pinv(self.axes))
+            self.share = least_norm(self.axes)
             self._wheel_limit = torque.torque
         else:
             limit[3:6] = torque.limit
@@ -69,9 +71,9 @@ class CommandLimits:
         """Return the command (6+n,) with every channel, and every wheel, clipped on its own [N, N m]."""
         out = np.clip(u, -self._limit, self._limit)
         if self.share.size:
-            torque = self.axes @ np.clip(self.share @ out[3:6], -self._wheel_limit, self._wheel_limit)
+            torque = times(self.axes, np.clip(times(self.share, out[3:6]), -self._wheel_limit, self._wheel_limit))
             # More than three wheels share the clipped torque again, and one may again be beyond its limit.
-            largest = float(np.abs(self.share @ torque).max())
+            largest = float(np.abs(times(self.share, torque)).max())
             out[3:6] = torque if largest <= self._wheel_limit else torque * (self._wheel_limit / largest)
         return out
 
@@ -98,4 +100,4 @@ class CommandLimits:
         return self.per_axis(bias + alpha * (u - bias))
 
     def _channels(self, u: Vector) -> Vector:
-        return np.concatenate((u, self.share @ u[3:6])) if self.share.size else u
+        return np.concatenate((u, times(self.share, u[3:6]))) if self.share.size else u

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from math import exp
-
 import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.kernel.gated_filter import FilterRule, filter_memory, filter_samples, restart_filter
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp
 
 
 class GatedFilter:
@@ -73,4 +72,4 @@ def filter_rule(period: float, bandwidth: float, gate: Vector, patience: int) ->
     """The numbers of a ``GatedFilter``, from its arguments."""
     pole = exp(-bandwidth * period)
     limits = np.array(gate, dtype=np.float64)
-    return FilterRule(period, 1.0 - pole * pole, (1.0 - pole) ** 2 / period, patience, limits)
+    return FilterRule(period, 1.0 - pole * pole, (1.0 - pole) * (1.0 - pole) / period, patience, limits)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import tanh
 
 import numpy as np
 
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_msgs_py.kernel.elementary import tanh
 
 
 class NominalFriction:

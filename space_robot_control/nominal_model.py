@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isfinite
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -10,10 +12,10 @@ import pinocchio as pin
 from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE, inverse_dynamics
 from space_robot_description.kernel.jit import bound
 from space_robot_description.known_arrays import arrays_of
-from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class NominalModel:
@@ -48,14 +50,12 @@ class NominalModel:
         self.robot = robot
         self.n = robot.n
         self.mass = float(pin.computeTotalMass(model))
-        self._model = model
-        self._data = model.createData()
         self._lower = np.tril_indices(6 + robot.n, -1)
         self._zero = np.zeros(6 + robot.n)
         self.arrays = arrays_of(model)
         self._work = np.zeros((len(self.arrays.links), MOTION_SIZE))
         q, out = np.zeros(7 + robot.n), np.zeros(6 + robot.n)
-        self._inverse_dynamics = bound(inverse_dynamics, self.arrays, q, out, out, self._work, out)
+        self._inverse_dynamics = _code(self.arrays, q, out, out, self._work, out)
 
     def mass_matrix(self, q: Vector) -> Vector:
         """Return the symmetric (6+n, 6+n) M(q) [kg, kg m, kg m2].
@@ -63,9 +63,10 @@ class NominalModel:
         Args:
             q: (7+n,) configuration [m, -, rad].
         """
-        if self.robot.mimics:
-            return mass_matrix(self._model, q)
-        m = np.array(pin.crba(self._model, self._data, q))
+        m, (q, still) = np.empty((6 + self.n, 6 + self.n)), (np.array(q, dtype=np.float64, order="C"), self._zero)
+        for row, unit in zip(m, np.identity(6 + self.n), strict=True):
+            # Columns, which in a symmetric matrix are rows.
+            self._inverse_dynamics(self.arrays, q, still, unit, self._work, row)
         m[self._lower] = m.T[self._lower]
         return m
 
@@ -78,7 +79,7 @@ class NominalModel:
             q: (7+n,) configuration [m, -, rad].
         """
         m = self.mass_matrix(q)
-        out: Vector = m[3:, 3:] - m[3:, :3] @ m[:3, 3:] / self.mass
+        out: Vector = m[3:, 3:] - times(m[3:, :3], m[:3, 3:]) / self.mass
         return out
 
     def actuated_mass_matrix(self, q: Vector) -> Vector:
@@ -153,3 +154,13 @@ class NominalModel:
         u = self.inverse_dynamics(q, v, a)
         u[:3] = 0.0
         return u, a
+
+
+_found: list[Callable[..., None]] = []
+
+
+def _code(*arguments: Any) -> Callable[..., None]:
+    """The machine code of inverse dynamics, which is the same for all robots; to ask for it again takes time."""
+    if not _found:
+        _found.append(bound(inverse_dynamics, *arguments))
+    return _found[0]

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
+from space_robot_description.kernel.linear import inverse
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Command
+from space_robot_msgs_py.kernel.products import times
 
 # Of the unit axes that are left, the smallest singular value with which they still span space.
 MIN_SPAN = 1e-3
@@ -44,7 +46,7 @@ class Reallocation:
         if len(left) < 3 or np.linalg.svd(axes[:, left], compute_uv=False)[2] < MIN_SPAN:
             accepted = "as many as leave wheels about three axes"
             raise SpecError("the wheels that are left do not span space", key=key, value=list(off), accepted=accepted)
-        self._rows: list[list[float]] = np.linalg.inv(axes[:, left] @ share[left]).tolist()
+        self._rows: list[list[float]] = inverse(times(axes[:, left], share[left])).tolist()
 
     def command(self, command: Command) -> Command:
         """The command that gives what this one would with all wheels."""

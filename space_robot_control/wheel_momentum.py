@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.rotations import cross
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class WheelMomentum:
@@ -52,7 +55,7 @@ class WheelMomentum:
         self._read = False
         self._begun: tuple[Vector, float] | None = None
         self._refill()
-        self._apply = bound(apply_to_wheels, self.numbers, np.zeros(6 + robot.n), 0.0) if self.present else None
+        self._apply = _code(self.numbers, np.zeros(6 + robot.n), 0.0) if self.present else None
 
     @property
     def momentum(self) -> Vector:
@@ -83,7 +86,7 @@ class WheelMomentum:
         self.measured = None
         if momentum is None or not self.present:
             return
-        self.numbers.stored[:] += self.numbers.able.share @ (momentum - self.numbers.momentum)
+        self.numbers.stored[:] += times(self.numbers.able.share, momentum - self.numbers.momentum)
         self.numbers.momentum[:] = momentum
         if self._begun is not None:
             before, seconds = self._begun
@@ -103,4 +106,14 @@ class WheelMomentum:
     def _refill(self) -> None:
         self.numbers.stored[:] = self._initial
         if self.present:
-            self.numbers.momentum[:] = self._initial @ self.numbers.able.axes.T
+            self.numbers.momentum[:] = times(self.numbers.able.axes, self._initial)
+
+
+_found: list[Callable[..., None]] = []
+
+
+def _code(*arguments: Any) -> Callable[..., None]:
+    """The machine code, which is the same for all robots; to ask for it again takes time."""
+    if not _found:
+        _found.append(bound(apply_to_wheels, *arguments))
+    return _found[0]

@@ -15,6 +15,7 @@ from space_robot_description.spec import Actuators, IdealTorque, ReactionWheels,
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import InertiaError, SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot
 
 # Orders are part of the result: draws happen body by body, quantity by quantity, whatever the order in the file.
 BODY_QUANTITIES = ("mass", "com", "inertia", "parameters")
@@ -175,7 +176,7 @@ def _draw_parameters(nominal: Vector, chosen: dict[str, Spread], rng: np.random.
 
 def _parameters(mass: float, com: Vector, inertia: Vector) -> Vector:
     """Ten parameters without `pin.Inertia`, whose constructor refuses what `keep` must let pass."""
-    about_origin = inertia + mass * (com @ com * np.eye(3) - np.outer(com, com))
+    about_origin = inertia + mass * (dot(com, com) * np.eye(3) - np.outer(com, com))
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = about_origin
     return np.array([mass, *(mass * com), ixx, ixy, iyy, ixz, iyz, izz])
 

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from space_robot_msgs_py.errors import InertiaError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 # Smallest eigenvalue of the mass matrix scaled to a diagonal of 1. Round-off is 1e-16 per coordinate; the stiffest real
 # robots have 1e-7.
@@ -33,14 +34,15 @@ def mass_matrix(model: Any, q: Vector) -> Vector:
 def reduced_mass_matrix(model: Any, joints: Vector) -> Vector:
     """Return (3+n, 3+n) of base rotation and joints, the translation of the base eliminated [kg m2, kg m, kg].
 
-    ``M_red = M_rr - M_rt M_tt^-1 M_tr`` with t: base translation, r: base rotation and joints.
+    ``M_red = M_rr - M_rt M_tt^-1 M_tr`` with t: base translation, r: base rotation and joints; M_tt is mass times
+    identity.
 
     Args:
         model: ``pin.Model`` of a robot.
         joints: (n,) positions; the pose of the base does not matter [rad or m].
     """
     full = mass_matrix(model, np.concatenate([pin.neutral(model)[:7], joints]))
-    reduced: Vector = full[3:, 3:] - full[3:, :3] @ np.linalg.solve(full[:3, :3], full[:3, 3:])
+    reduced: Vector = full[3:, 3:] - times(full[3:, :3], full[:3, 3:]) / full[0, 0]
     return reduced
 
 

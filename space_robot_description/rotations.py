@@ -12,12 +12,13 @@ Reference: Sola, "Quaternion kinematics for the error-state Kalman filter", 2017
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, cos, hypot, pi, sin
+from math import pi, sqrt
 
 import numpy as np
 
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import atan2, sincos
 
 Floats = Sequence[float] | Vector
 Three = tuple[float, float, float]
@@ -38,7 +39,7 @@ def normalized(q: Floats, key: str = "quaternion") -> Quaternion:
         SpecError: the quaternion has no direction.
     """
     x, y, z, w = _floats(q)
-    length = hypot(x, y, z, w)
+    length = sqrt(x * x + y * y + z * z + w * w)
     if not 1e-9 < length < 1e9:
         raise SpecError("not a rotation", key=key, value=[x, y, z, w], accepted="x, y, z, w, not all zero, finite")
     return x / length, y / length, z / length, w / length
@@ -137,9 +138,10 @@ def matrix(q: Floats) -> Vector:
 def exp(rotation_vector: Floats) -> Quaternion:
     """Return the unit quaternion of a rotation vector (3,) [rad]."""
     x, y, z = _floats(rotation_vector)
-    angle = hypot(x, y, z)
-    scale = sin(0.5 * angle) / angle if angle > 0.0 else 0.5
-    return scale * x, scale * y, scale * z, cos(0.5 * angle)
+    angle = sqrt(x * x + y * y + z * z)
+    sine, cosine = sincos(0.5 * angle)
+    scale = sine / angle if angle > 0.0 else 0.5
+    return scale * x, scale * y, scale * z, cosine
 
 
 def log(q: Floats) -> Three:
@@ -150,7 +152,7 @@ def log(q: Floats) -> Three:
     x, y, z, w = _floats(q)
     if w < 0.0:
         x, y, z, w = -x, -y, -z, -w
-    length = hypot(x, y, z)
+    length = sqrt(x * x + y * y + z * z)
     scale = 2.0 * atan2(length, w) / length if length > 0.0 else 2.0
     return scale * x, scale * y, scale * z
 
@@ -158,8 +160,7 @@ def log(q: Floats) -> Three:
 def from_rpy(rpy: Floats) -> Quaternion:
     """Return the quaternion of roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll)."""
     roll, pitch, yaw = _floats(rpy)
-    cr, sr, cp, sp = cos(0.5 * roll), sin(0.5 * roll), cos(0.5 * pitch), sin(0.5 * pitch)
-    cy, sy = cos(0.5 * yaw), sin(0.5 * yaw)
+    (sr, cr), (sp, cp), (sy, cy) = sincos(0.5 * roll), sincos(0.5 * pitch), sincos(0.5 * yaw)
     return (
         sr * cp * cy - cr * sp * sy,
         cr * sp * cy + sr * cp * sy,
@@ -178,7 +179,8 @@ def to_rpy(q: Floats) -> Three:
     """
     x, y, z, w = _floats(q)
     difference, half_sum = atan2(x - z, w + y), atan2(x + z, w - y)
-    pitch = 2.0 * atan2(hypot(w + y, x - z), hypot(w - y, x + z)) - 0.5 * pi
+    across, along = sqrt((w + y) * (w + y) + (x - z) * (x - z)), sqrt((w - y) * (w - y) + (x + z) * (x + z))
+    pitch = 2.0 * atan2(across, along) - 0.5 * pi
     return _wrapped(half_sum + difference), pitch, _wrapped(half_sum - difference)
 
 
@@ -195,7 +197,7 @@ def rpy_rates(rpy: Floats, rates: Floats, accelerations: Floats) -> tuple[Three,
     roll, pitch, _ = _floats(rpy)
     dr, dp, dy = _floats(rates)
     ddr, ddp, ddy = _floats(accelerations)
-    cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
+    (sr, cr), (sp, cp) = sincos(roll), sincos(pitch)
     yaw_rate, yaw_acceleration = dy * cp, ddy * cp - dy * dp * sp
     wy, wz = dp * cr + yaw_rate * sr, yaw_rate * cr - dp * sr
     omega = (dr - dy * sp, wy, wz)

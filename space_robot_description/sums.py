@@ -12,6 +12,8 @@ from space_robot_description.urdf import MOVING, Tree, child_of, kind_of, parent
 from space_robot_description.urdf_values import numbers
 from space_robot_msgs_py.errors import InertiaError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import sincos
+from space_robot_msgs_py.kernel.products import times
 
 _AGREE = 1e-9
 
@@ -58,11 +60,11 @@ def _sums(tree: Tree, bodies: Mapping[str, LinkBody]) -> dict[str, tuple[Vector,
             sums[link] = (np.zeros((4, 4)), np.zeros((4, 4)))
         elif name:
             body, transform = place[parent_of(tree.joints[name])]
-            place[link] = (body, transform @ _transform(tree, name))
+            place[link] = (body, times(transform, _transform(tree, name)))
         body, transform = place[link]
         moments = _second_moments(bodies[link].mass, bodies[link].com, bodies[link].inertia)
         far = np.abs(transform) @ np.abs(moments) @ np.abs(transform).T
-        sums[body] = (sums[body][0] + transform @ moments @ transform.T, sums[body][1] + far)
+        sums[body] = (sums[body][0] + times(times(transform, moments), transform.T), sums[body][1] + far)
     return sums
 
 
@@ -91,8 +93,8 @@ def _transform(tree: Tree, name: str) -> Vector:
     for axis, angle in ((2, yaw), (1, pitch), (0, roll)):
         turn = np.eye(3)
         i, j = ((1, 2), (2, 0), (0, 1))[axis]
-        turn[i, i] = turn[j, j] = np.cos(angle)
-        turn[j, i], turn[i, j] = np.sin(angle), -np.sin(angle)
-        out[:3, :3] = out[:3, :3] @ turn
+        sine, turn[i, i] = sincos(angle)
+        turn[j, j], turn[j, i], turn[i, j] = turn[i, i], sine, -sine
+        out[:3, :3] = times(out[:3, :3], turn)
     out[:3, 3] = numbers(origin, "xyz", "0 0 0", f"joint {name}")
     return out

@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from math import cos, sin
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -15,6 +14,8 @@ import pinocchio as pin
 from space_robot_description.spec import MAX_MAGNITUDE
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import sincos
+from space_robot_msgs_py.kernel.products import norm
 
 # What may stand in the elements of which every attribute is used, or refused by name.
 ATTRIBUTES: dict[str, tuple[str, ...]] = {
@@ -107,11 +108,11 @@ def placement_of(owner: ET.Element, key: str) -> Any:
 
 def rotation_of_rpy(rpy: Vector) -> Vector:
     """The (3, 3) rotation Rz(yaw) Ry(pitch) Rx(roll)."""
-    phi, the, psi = (0.5 * rpy).tolist()
-    x = sin(phi) * cos(the) * cos(psi) - cos(phi) * sin(the) * sin(psi)
-    y = cos(phi) * sin(the) * cos(psi) + sin(phi) * cos(the) * sin(psi)
-    z = cos(phi) * cos(the) * sin(psi) - sin(phi) * sin(the) * cos(psi)
-    w = cos(phi) * cos(the) * cos(psi) + sin(phi) * sin(the) * sin(psi)
+    (s1, c1), (s2, c2), (s3, c3) = map(sincos, (0.5 * rpy).tolist())
+    x = s1 * c2 * c3 - c1 * s2 * s3
+    y = c1 * s2 * c3 + s1 * c2 * s3
+    z = c1 * c2 * s3 - s1 * s2 * c3
+    w = c1 * c2 * c3 + s1 * s2 * s3
     length = math.sqrt(x * x + y * y + z * z + w * w)
     matrix: Vector = pin.Quaternion(w / length, x / length, y / length, z / length).toRotationMatrix()
     return matrix
@@ -124,7 +125,7 @@ def axis_of(joint: ET.Element, key: str) -> Vector:
         SpecError: not three finite numbers, or no direction.
     """
     axis = numbers(joint.find("axis"), "xyz", "1 0 0", key)
-    length = float(np.linalg.norm(axis))
+    length = norm(axis)
     if length < 1e-6:
         raise SpecError("axis has no direction", key=key, value=axis.tolist(), accepted="a vector of length 1")
     # An axis of length 1 is left alone: dividing by 1 + 1e-16 would make x, y, z axes into general ones.

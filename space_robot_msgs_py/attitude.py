@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import asin, atan2, degrees, isfinite
+from math import degrees, isfinite, sqrt
 from struct import Struct
 
 from space_robot_msgs_py.codec.cdr import pack_stamp
@@ -11,6 +11,7 @@ from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.codec.message_layouts import BASE_LINK, BASE_LINK_DESIRED, odometry, vector3_stamped
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import atan2
 from space_robot_msgs_py.topics import ATTITUDE, BASE_ODOM, REFERENCE_ATTITUDE, REFERENCE_BASE, Topic
 
 _POSE, _ANGLES = Struct("<7d"), Struct("<3d")
@@ -67,4 +68,5 @@ def rpy_degrees(x: float, y: float, z: float, w: float) -> tuple[float, float, f
     sine = 2.0 * (w * y - z * x) / square
     roll = atan2(2.0 * (w * x + y * z), w * w - x * x - y * y + z * z)
     yaw = atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
-    return degrees(roll), degrees(asin(min(1.0, max(-1.0, sine)))), degrees(yaw)
+    pitch = atan2(sine, sqrt(max(0.0, (1.0 - sine) * (1.0 + sine))))
+    return degrees(roll), degrees(pitch), degrees(yaw)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, inf, sin
+from math import inf
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from space_robot_msgs_py.bounded_xml import parse_xml
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import sincos
 from space_robot_msgs_py.mimic import Mimic
 
 
@@ -99,7 +100,7 @@ def _from_rpy(rpy: Vector) -> Vector:
     """The quaternion (x, y, z, w) of Rz(yaw) Ry(pitch) Rx(roll)."""
     x, y, z = (np.zeros(4) for _ in range(3))
     for axis, (quaternion, angle) in enumerate(zip((x, y, z), rpy, strict=True)):
-        quaternion[axis], quaternion[3] = sin(0.5 * angle), cos(0.5 * angle)
+        quaternion[axis], quaternion[3] = sincos(0.5 * float(angle))
     return product(z, product(y, x))
 
 

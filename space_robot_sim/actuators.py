@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_description.kernel.linear import least_norm
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels, Thrusters, expand
 from space_robot_msgs_py.errors import SpecError
@@ -33,7 +34,7 @@ def capability(robot: Robot, period: int) -> Capability:
             limit[part], acts[part] = actuator.limit, 1
         if isinstance(actuator, Thrusters):
             pulsed[part], minimum[part] = int(actuator.pwm), _minimum_pulse(actuator, period, key)
-    share = np.ascontiguousarray(np.linalg.pinv(axes)) if axes.size else np.zeros((0, 3))
+    share = least_norm(axes) if axes.size else np.zeros((0, 3))
     preserve = int(robot.actuators.saturation == "direction_preserving")
     undisturbed = 0, np.zeros(axes.shape[1]), np.zeros(6)
     return Capability(limit, acts, pulsed, minimum, axes, share, wheel_limit, preserve, *undisturbed)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import exp
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,8 +9,11 @@ import numpy.typing as npt
 import pinocchio as pin
 
 from space_robot_description.kernel.arrays import RobotArrays, locked_joints, with_locked_joints
+from space_robot_description.kernel.linear import solve
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp, tanh
+from space_robot_msgs_py.kernel.products import dot, times
 from space_robot_sim.flexible.springs import DAMPING, STIFFNESS
 from space_robot_sim.kernel.period import PlantMemory
 from space_robot_sim.kernel.rhs import COULOMB, COULOMB_VELOCITY, LAG, STORED, VISCOUS
@@ -78,7 +80,7 @@ class JointBrakes:
             if not lacks[worst] > 0.0:
                 break
             held[worst] = False
-        work = float(0.5 * (after @ mass @ after - v @ mass @ v)) if after is not v else 0.0
+        work = 0.5 * (dot(after, times(mass, after)) - dot(v, times(mass, v))) if after is not v else 0.0
         return Braked(self._arrays(robot, held, motors), held & (torque > 0.0), after, work)
 
     def _arrays(self, robot: RobotArrays, held: Joints, motors: Vector) -> RobotArrays:
@@ -103,7 +105,7 @@ def stop(model: Any, q: Vector, v: Vector, held: npt.NDArray[Any]) -> tuple[Vect
     """
     mass = mass_matrix(model, q)
     after, _ = _stopped(mass, v, held != 0)
-    return after, float(0.5 * (after @ mass @ after - v @ mass @ v))
+    return after, 0.5 * (dot(after, times(mass, after)) - dot(v, times(mass, v)))
 
 
 def _keeping(model: Any, mass: Vector, q: Vector, v: Vector, held: Joints, applied: Vector) -> Vector:
@@ -111,9 +113,9 @@ def _keeping(model: Any, mass: Vector, q: Vector, v: Vector, held: Joints, appli
     rows, free = 6 + np.flatnonzero(held), np.ones(v.size, dtype=bool)
     free[rows] = False
     bias = pin.nonLinearEffects(model, model.createData(), q, v)
-    acceleration = np.linalg.solve(mass[np.ix_(free, free)], (applied - bias)[free])
+    acceleration = solve(mass[np.ix_(free, free)], (applied - bias)[free])
     out = np.zeros(held.size)
-    out[rows - 6] = mass[np.ix_(rows, free)] @ acceleration + (bias - applied)[rows]
+    out[rows - 6] = times(mass[np.ix_(rows, free)], acceleration) + (bias - applied)[rows]
     return out
 
 
@@ -128,9 +130,9 @@ def _stopped(mass: Vector, v: Vector, held: Joints) -> tuple[Vector, Vector]:
         return v, out
     picks = np.zeros((rows.size, v.size))
     picks[np.arange(rows.size), rows] = 1.0
-    response = np.linalg.solve(mass, picks.T)
-    impulse = -np.linalg.solve(picks @ response, v[rows])
-    after = v + response @ impulse
+    response = solve(mass, picks.T)
+    impulse = -solve(times(picks, response), v[rows])
+    after = v + times(response, impulse)
     after[rows] = 0.0
     out[rows - 6] = impulse
     return after, out
@@ -149,7 +151,7 @@ def _applied(plant: PlantMemory, motors: Vector, v: Vector, period: float) -> Ve
             late = lag * (1.0 - exp(-period / lag)) / period
             out[6 + joint] += (plant.motors[joint] - out[6 + joint]) * late
         out[6 + joint] -= motors[joint, VISCOUS] * rate
-        out[6 + joint] -= motors[joint, COULOMB] * np.tanh(rate / motors[joint, COULOMB_VELOCITY])
+        out[6 + joint] -= motors[joint, COULOMB] * tanh(float(rate / motors[joint, COULOMB_VELOCITY]))
     if plant.springs.size:
         out[6:] -= plant.springs[:, STIFFNESS] * plant.y[7 : 7 + n] + plant.springs[:, DAMPING] * v[6:]
     return out

@@ -9,11 +9,13 @@ import numpy as np
 import pinocchio as pin
 from pydantic import Field, model_validator
 
+from space_robot_description.kernel.linear import solve
 from space_robot_description.mass_matrix import mass_matrix
 from space_robot_description.payload import Payload, held_body
 from space_robot_description.robot import Robot
 from space_robot_description.spec import Strict, Three
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot, times
 
 
 class TargetSpec(Strict):
@@ -118,12 +120,12 @@ def catch(model: Any, q: Vector, v: Vector, body: FreeBody) -> Impact:
     # Its twist where the joint is, in the frame of the joint.
     place, own = data.oMi[body.joint], body.inertia
     linear, omega = np.array(body.linear_velocity), np.array(body.angular_velocity)
-    at_joint = linear - np.cross(omega, place.rotation @ own.lever)
-    twist = pin.Motion(place.rotation.T @ at_joint, place.rotation.T @ omega)
+    at_joint = linear - np.cross(omega, times(place.rotation, own.lever))
+    twist = pin.Motion(times(place.rotation.T, at_joint), times(place.rotation.T, omega))
     jacobian, spatial = pin.getJointJacobian(model, data, body.joint, pin.LOCAL), own.matrix()
-    relative = twist.vector - jacobian @ v
-    impulse = jacobian.T @ (spatial @ relative)
-    jump = np.linalg.solve(mass, impulse)
-    work = 0.5 * float(impulse @ jump - relative @ spatial @ relative)
+    relative = twist.vector - times(jacobian, v)
+    impulse = times(jacobian.T, times(spatial, relative))
+    jump = solve(mass, impulse)
+    work = 0.5 * (dot(impulse, jump) - dot(relative, times(spatial, relative)))
     momentum = place.act(own * twist).vector
-    return Impact(v + jump, work, momentum, 0.5 * float(twist.vector @ spatial @ twist.vector))
+    return Impact(v + jump, work, momentum, 0.5 * dot(twist.vector, times(spatial, twist.vector)))

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.kernel.products import norm as length
 from space_robot_msgs_py.vectors import Vector, vector
 from space_robot_sim.spec import Hold, MonitorSpec
 
@@ -26,7 +27,7 @@ class InitialState:
 
     def __post_init__(self) -> None:
         q = np.array(vector(self.q, None, "initial.q"))
-        norm = float(np.linalg.norm(q[3:7]))
+        norm = length(q[3:7])
         if abs(norm - 1.0) > 1e-6:
             raise SpecError("the quaternion is not unit", key="initial.q", value=norm, accepted="norm 1")
         q[3:7] /= norm

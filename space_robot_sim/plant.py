@@ -16,6 +16,7 @@ from space_robot_description.known_arrays import arrays_of
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
+from space_robot_msgs_py.kernel.products import times
 from space_robot_sim.actuators import capability, initial_wheels, motor_numbers
 from space_robot_sim.brakes import JointBrakes, stop
 from space_robot_sim.capture import FreeBody, RobotChange, catch
@@ -323,7 +324,7 @@ class SimulatedRobot:
     def _show(self, acting: Acting) -> PlantSample:
         plant, gauges = self._memory, self._memory.gauges
         q, v = self._flexible.measured(plant.y)
-        wheels = self._able.axes @ plant.wheels if self._reads_wheels else None
+        wheels = times(self._able.axes, plant.wheels) if self._reads_wheels else None
         truth = RobotState(self._stamp, q, v, plant.effort[: self._visible], gauges[4:], wheels)
         state, telemetry = (
             self._sensors.measure(truth),

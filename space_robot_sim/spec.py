@@ -121,7 +121,8 @@ class ChannelSpec(Strict):
     @property
     def ideal(self) -> bool:
         """True if the truth passes unchanged."""
-        return not (np.any(self.noise) or np.any(self.bias) or np.any(self.quantisation) or self.delay)
+        sizes = self.noise, self.bias, self.quantisation
+        return not (any(any(one) if isinstance(one, tuple) else one for one in sizes) or self.delay)
 
 
 class HoldFor(Strict):

@@ -7,6 +7,7 @@ import numpy as np
 from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 from space_robot_sim.kernel.allocation import Capability
 
 
@@ -40,10 +41,10 @@ class Unloading:
         """
         if not on:
             return able, [0.0] * 4
-        torque = np.clip(-(able.axes @ wheels) / self._period, -self._limit, self._limit)
-        part = able.share @ torque
+        torque = np.clip(-times(able.axes, wheels) / self._period, -self._limit, self._limit)
+        part = times(able.share, torque)
         most = able.wheel_limit[:, 0]
-        own = np.clip(-(able.share @ command[3:6]), -most, most)
+        own = np.clip(-times(able.share, command[3:6]), -most, most)
         # What a wheel has left in the direction of its part.
         room = np.divide(most - np.sign(part) * own, np.abs(part), out=np.full(part.size, np.inf), where=part != 0.0)
         scale = min(1.0, max(0.0, float(room.min())))

@@ -37,6 +37,19 @@ def test_the_graph_is_as_fast_beside_the_bare_transport_of_its_messages() -> Non
     assert beside_bare(300, 2) > 0.15 / SPARE
 
 
+@pytest.mark.ros
+@pytest.mark.xdist_group("graph")
+def test_the_hops_of_a_tick_go_round_without_what_is_computed() -> None:
+    """What rclpy alone takes for a tick is measured on the same ways: ten messages, nineteen times taken."""
+    pytest.importorskip("rclpy")
+    from benchmarks.bench_graph import hops
+
+    seen = list[int]()
+    taken = hops(3, seen.append)
+    assert seen == [1, 2, 3]
+    assert taken == {"recorder": 10, "controller": 6, "guidance": 1, "simulator": 2}
+
+
 def test_commands_start_as_fast_beside_what_they_have_to_load() -> None:
     """Version, list, schema and check."""
     seconds = cpu_seconds(STARTS, 2)

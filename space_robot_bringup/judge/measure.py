@@ -11,6 +11,7 @@ import numpy.typing as npt
 from space_robot_bringup.judge.metrics import Axis, Matrix, RunMetrics, axis_names, deviations
 from space_robot_msgs_py.errors import LayoutError, NonFiniteError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Tick, Vector
+from space_robot_msgs_py.kernel.products import dot
 from space_robot_msgs_py.log.arrays import stack_telemetry
 from space_robot_msgs_py.log.blocks import BLOCK
 
@@ -147,7 +148,7 @@ class Measurement:
             simulated_time=float(time[-1] - time[0]),
             axes=tuple(self._axes(time)),
             saturation_share=self._saturation_share(time.size),
-            effort_integral=float(np.concatenate(self._torque) @ np.diff(time, prepend=time[0])),
+            effort_integral=dot(np.concatenate(self._torque), np.diff(time, prepend=time[0])),
             integration_error=self._integration_error,
             **self._peaks,
         )

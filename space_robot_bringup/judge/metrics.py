@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from space_robot_msgs_py.kernel.elementary import atan2_rows
+
 Matrix = npt.NDArray[np.float64]
 
 BASE_AXES = ("base/x", "base/y", "base/z", "base/roll", "base/pitch", "base/yaw")
@@ -121,6 +123,6 @@ def _rotation_vectors(goal: Matrix, q: Matrix) -> Matrix:
     w = b[:, 0] * d[:, 0] + (a * c).sum(axis=1)
     vectors = (b * c - d * a - np.cross(a, c)) * np.where(w < 0.0, -1.0, 1.0)[:, None]
     length = np.sqrt((vectors * vectors).sum(axis=1))
-    angle, far = 2.0 * np.arctan2(length, np.abs(w)), length > 0.0
+    angle, far = 2.0 * atan2_rows(length, np.abs(w)), length > 0.0
     out: Matrix = vectors * np.divide(angle, length, out=np.full(length.size, 2.0), where=far)[:, None]
     return out

@@ -17,6 +17,7 @@ from rclpy.experimental import EventsExecutor
 from space_robot_bringup.compose.composition import Composition
 from space_robot_bringup.compose.live import live_reference
 from space_robot_bringup.compose.parameters import rows_of
+from space_robot_bringup.modes.collector import collecting_new_garbage
 from space_robot_bringup.modes.context import private_context
 from space_robot_bringup.modes.hooks import EFFORT_CONTROLLER, STANDBY, SUPERVISOR, Hooks, roles_of
 from space_robot_bringup.modes.signals import Interrupted
@@ -237,8 +238,9 @@ def spin_graph(graph: Graph, context: Context, hooks: Hooks) -> str:
 
     graph.simulator.on_tick = on_tick
     try:
-        while graph.recorder.end_reason is None and not stopped():
-            spin(executor, graph.recorder)
+        with collecting_new_garbage():
+            while graph.recorder.end_reason is None and not stopped():
+                spin(executor, graph.recorder)
     except Interrupted:
         # Out of a law that did not come back; asking for the reason tells that it was heard.
         stopped()

@@ -24,6 +24,7 @@ from rclpy.context import Context
 
 from space_robot_bringup.compose.composition import Composition, compose, compose_world
 from space_robot_bringup.experiment.experiment import Experiment, load_experiment
+from space_robot_bringup.modes.collector import collecting_new_garbage
 from space_robot_bringup.modes.context import domain_number, local_context
 from space_robot_bringup.modes.heartbeats import beating
 from space_robot_bringup.modes.hooks import STANDBY, SUPERVISOR
@@ -175,8 +176,9 @@ def _spin(node: GraphNode, stop: RunStop, tether: ChildEnd, watches: Sequence[Ca
     # A timer, because the executor comes back from a spin only when it has nothing to do.
     node.create_timer(POLL_SECONDS, poll, clock=Clock(clock_type=ClockType.STEADY_TIME))
     try:
-        while node.end_reason is None:
-            spin(executor, node)
+        with collecting_new_garbage():
+            while node.end_reason is None:
+                spin(executor, node)
     except Interrupted as interruption:
         # Out of a law that did not come back; asking for the reason tells that it was heard.
         node.end(stop.reason or interruption.reason, say=not tether.bereaved)

@@ -23,10 +23,10 @@ class MassWork(NamedTuple):
     bodies: npt.NDArray[np.float64]
 
 
-def mass_work(joints: int) -> MassWork:
-    """Room for that many joints."""
+def mass_work(joints: int, followers: int = 0) -> MassWork:
+    """Room for that many joints, and others that follow them."""
     size = 6 + joints
-    return MassWork(np.zeros(size), np.zeros(size), np.zeros(size), np.zeros((1 + joints, MOTION_SIZE)))
+    return MassWork(np.zeros(size), np.zeros(size), np.zeros(size), np.zeros((1 + joints + followers, MOTION_SIZE)))
 
 
 @inner

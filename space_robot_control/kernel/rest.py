@@ -53,11 +53,11 @@ class RestRoom(NamedTuple):
     work: MassWork
 
 
-def rest_room(joints: int) -> RestRoom:
-    """Room for that many joints."""
+def rest_room(joints: int, followers: int = 0) -> RestRoom:
+    """Room for that many joints, and others that follow them."""
     size = 6 + joints
     errors = np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(4)
-    return RestRoom(np.zeros(1), np.zeros(size), *errors, mass_work(joints))
+    return RestRoom(np.zeros(1), np.zeros(size), *errors, mass_work(joints, followers))
 
 
 def rest_example() -> tuple[RestRobot, RestRoom]:

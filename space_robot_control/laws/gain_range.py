@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import exp, isfinite, log
+from math import isfinite
 from typing import Literal
 
 from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.kernel.elementary import exp, log
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ class RatesToZero(Law):
         self.friction = NominalFriction(robot, known=False)
         model, floating = NominalModel(robot), robot.base_mode == "free_floating"
         self.known = RestRobot(model.arrays, CommandLimits(robot).numbers, model.mass, int(floating))
-        self.room, self.actuated = rest_room(robot.n), 3 + robot.n if floating else 6 + robot.n
+        self.room, self.actuated = rest_room(robot.n, len(robot.mimics)), 3 + robot.n if floating else 6 + robot.n
         self.errors = dict(
             position_error=3, attitude_error=3, joint_error=self.n, twist_error=6, joint_rate_error=self.n
         )

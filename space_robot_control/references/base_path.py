@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, hypot, sin
+from math import hypot
 
 import numpy as np
 
 from space_robot_control.references.spline import piece_at, quintic_piece
 from space_robot_description.rotations import Quaternion, cross, exp, log, product, relative
 from space_robot_msgs_py.interfaces import NANOSECONDS, Vector
+from space_robot_msgs_py.kernel.elementary import sincos
 
 # The largest speed of a quintic from rest to rest, in units of its mean speed.
 PEAK = 1.875
@@ -130,5 +131,6 @@ def _coefficients(phi: float) -> tuple[float, float, float, float]:
     if phi < 1e-2:
         p = phi * phi
         return 0.5 - p / 24.0, 1.0 / 6.0 - p / 120.0, p / 180.0 - 1.0 / 12.0, p / 1260.0 - 1.0 / 60.0
-    a, b = (1.0 - cos(phi)) / phi**2, (phi - sin(phi)) / phi**3
-    return a, b, (sin(phi) / phi - 2.0 * a) / phi**2, (a - 3.0 * b) / phi**2
+    (sine, cosine), square = sincos(phi), phi * phi
+    a, b = (1.0 - cosine) / square, (phi - sine) / (square * phi)
+    return a, b, (sine / phi - 2.0 * a) / square, (a - 3.0 * b) / square

@@ -17,6 +17,8 @@ from space_robot_description.rotations import from_rpy, rpy_rates, to_rpy
 from space_robot_description.spec import check_joint_names
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector
+from space_robot_msgs_py.kernel.elementary import sincos
+from space_robot_msgs_py.kernel.products import times
 
 
 class Harmonic:
@@ -69,11 +71,12 @@ class Harmonic:
         ramp, rise, bend = quintic(elapsed / self._soft_start)
         rise, bend = rise / seconds, bend / (seconds * seconds)
         angle = self._omega * (1e-9 * elapsed) + self._phase
-        wave, dwave = np.sin(angle), self._omega * np.cos(angle)
+        wave, cosine = np.array([sincos(one) for one in angle.tolist()]).reshape(-1, 2).T
+        dwave = self._omega * cosine
         ddwave = -self._omega * self._omega * wave
         # Rows: the waves and their derivatives; the ramp comes in by the product rule for (r f), (r f)', (r f)''.
         product_rule = np.array(((ramp, 0.0, 0.0), (rise, ramp, 0.0), (bend, 2.0 * rise, ramp)))
-        channels = product_rule @ np.array((wave, dwave, ddwave)) @ self._mix
+        channels = times(times(product_rule, np.array((wave, dwave, ddwave))), self._mix)
         channels[0] += self._center
         return cast("list[list[float]]", channels.tolist())
 

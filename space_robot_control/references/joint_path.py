@@ -76,7 +76,8 @@ class JointPath:
                 times = np.array(self._times, dtype=np.int64)
                 i = np.maximum(np.searchsorted(times, some, side="right") - 1, 0)
                 t = (some - times[i]) / (times[i + 1] - times[i])
-                rows[begin : begin + some.size] = np.einsum("mp,mpn->mn", t[:, None] ** np.arange(6), self._table[i])
+                powers = np.multiply.accumulate([np.ones_like(t), t, t, t, t, t]).T
+                rows[begin : begin + some.size] = np.einsum("mp,mpn->mn", powers, self._table[i])
         return rows
 
 

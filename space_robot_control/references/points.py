@@ -11,6 +11,7 @@ from space_robot_control.references.rows import identity_of
 from space_robot_description.rotations import exp, log, product, relative
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Reference, Vector
+from space_robot_msgs_py.kernel.products import dot
 
 
 class Hold:
@@ -81,7 +82,7 @@ class PointToPoint:
         if duration <= 0:
             raise SpecError("not a duration", key="duration", value=duration, accepted="a positive number [ns]")
         end = np.array(last)
-        if first[3:7] @ end[3:7] < 0.0:
+        if dot(first[3:7], end[3:7]) < 0.0:
             end[3:7] *= -1.0  # the same attitude, without a jump of sign
         turn = log(relative(first[3:7], end[3:7]))
         self.last = end

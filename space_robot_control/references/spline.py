@@ -8,7 +8,9 @@ from typing import cast
 
 import numpy as np
 
+from space_robot_description.kernel.linear import solve
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 
 class RestToRestSpline:
@@ -68,7 +70,7 @@ def piece_at(piece: Vector, t: float, span: float) -> list[list[float]]:
         (0.0, 1.0 / span, 2.0 * t / span, 3.0 * t2 / span, 4.0 * t3 / span, 5.0 * t2 * t2 / span),
         (0.0, 0.0, 2.0 / (span * span), 6.0 * t / (span * span), 12.0 * t2 / (span * span), 20.0 * t3 / (span * span)),
     )
-    return cast("list[list[float]]", (np.array(powers) @ piece).tolist())
+    return cast("list[list[float]]", times(np.array(powers), piece).tolist())
 
 
 def _inner_derivatives(spans: Vector, points: Vector) -> tuple[Vector, Vector]:
@@ -83,24 +85,25 @@ def _inner_derivatives(spans: Vector, points: Vector) -> tuple[Vector, Vector]:
     system, right = np.zeros((2 * m, 2 * m)), np.zeros((2 * m, k))
     for i in range(1, m - 1):
         g, h = spans[i - 1], spans[i]
+        g2, h2 = g * g, h * h
         back, ahead = points[i] - points[i - 1], points[i + 1] - points[i]
         third, fourth = system[2 * i], system[2 * i + 1]
         # Columns are v, a of the points i-1, i, i+1; each row is (end of the piece before) - (start of the next) = 0.
         third[2 * i - 2 : 2 * i + 4] = (
-            *(-24.0 / g**2, -3.0 / g),
-            *(-36.0 / g**2 + 36.0 / h**2, 9.0 / g + 9.0 / h),
-            *(24.0 / h**2, -3.0 / h),
+            *(-24.0 / g2, -3.0 / g),
+            *(-36.0 / g2 + 36.0 / h2, 9.0 / g + 9.0 / h),
+            *(24.0 / h2, -3.0 / h),
         )
-        right[2 * i] = 60.0 * (ahead / h**3 - back / g**3)
+        right[2 * i] = 60.0 * (ahead / (h2 * h) - back / (g2 * g))
         fourth[2 * i - 2 : 2 * i + 4] = (
-            *(-168.0 / g**3, -24.0 / g**2),
-            *(-192.0 / g**3 - 192.0 / h**3, 36.0 / g**2 - 36.0 / h**2),
-            *(-168.0 / h**3, 24.0 / h**2),
+            *(-168.0 / (g2 * g), -24.0 / g2),
+            *(-192.0 / (g2 * g) - 192.0 / (h2 * h), 36.0 / g2 - 36.0 / h2),
+            *(-168.0 / (h2 * h), 24.0 / h2),
         )
-        right[2 * i + 1] = -360.0 * (ahead / h**4 + back / g**4)
+        right[2 * i + 1] = -360.0 * (ahead / (h2 * h2) + back / (g2 * g2))
     for row in (0, 1, 2 * m - 2, 2 * m - 1):
         system[row, row] = 1.0
-    solution = np.linalg.solve(system, right)
+    solution = solve(system, right)
     return solution[::2], solution[1::2]
 
 

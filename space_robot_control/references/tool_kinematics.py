@@ -10,10 +10,12 @@ import numpy as np
 import numpy.typing as npt
 import pinocchio as pin
 
+from space_robot_description.kernel.linear import solve
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import Quaternion, conjugate, log, normalized, product, rotate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 TOLERANCE = 1e-11  # [m, rad]
 ITERATIONS = 40
@@ -109,13 +111,13 @@ class ToolKinematics:
         for _ in range(ITERATIONS):
             error = np.concatenate([self._error(q, aim)[: aim.rows] for aim in aims])
             jacobian = np.vstack([self._jacobian(q, aim.link)[: aim.rows, joints] for aim in aims])
-            left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
+            singular = np.linalg.svd(jacobian, compute_uv=False)
             if singular[-1] < self._smallest:
                 accepted = f"a tool Jacobian with singular values of {self._smallest:g} or more"
                 raise SpecError(f"singular at {time:g} s", key=key, value=float(singular[-1]), accepted=accepted)
             if np.abs(error).max() < TOLERANCE:
                 return q
-            step = right.T @ ((left.T @ error) / singular)
+            step = times(jacobian.T, solve(times(jacobian, jacobian.T), error))
             q = np.array(q)
             q[7 + joints] += step * min(1.0, MAX_STEP / float(np.abs(step).max()))
             q = self.settled(q)
@@ -141,15 +143,15 @@ class ToolKinematics:
         attitude = tool_pose(self._robot, q).quaternion
         wanted = np.array((*rotate(attitude, twist[:3]), *rotate(attitude, twist[3:])))[:rows]
         jacobian = self._jacobian(q, self._robot.tool_frame)[:rows, joints]
-        left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
+        singular = np.linalg.svd(jacobian, compute_uv=False)
         if singular[-1] < self._smallest:
             accepted = f"singular values of {self._smallest:g} or more"
             raise SpecError("near a singularity", key="teleop", value=float(singular[-1]), accepted=accepted)
         rates = np.zeros(q.size - 7)
-        rates[joints] = right.T @ ((left.T @ wanted) / singular)
+        rates[joints] = times(jacobian.T, solve(times(jacobian, jacobian.T), wanted))
         if not self._floating:
             return rates, np.zeros(3)
-        return rates, -pin.jacobianCenterOfMass(self._model, self._data, q)[:, 6:] @ rates
+        return rates, -times(pin.jacobianCenterOfMass(self._model, self._data, q)[:, 6:], rates)
 
     def _joints(self, links: Sequence[str]) -> npt.NDArray[np.int64]:
         """Indices of the joints that may move for these tools."""

@@ -14,6 +14,7 @@ from space_robot_description.kernel.coupling import COORDINATE, NOTHING_COUPLED,
 from space_robot_description.kernel.jit import constants
 from space_robot_description.kernel.joints import joint_axes
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot, norm, times
 
 # Columns of `links`: rotation to the parent (9), origin in the parent (3), mass, mass * com (3), inertia at origin (6).
 ROTATION, ORIGIN, MASS, MOMENT, INERTIA, LINK_SIZE = constants(0, 9, 12, 13, 16, 22)
@@ -57,8 +58,8 @@ def robot_arrays(model: Any, motors: npt.ArrayLike | None = None) -> RobotArrays
             tree[body] = model.parents[body + 1] - 1, slides[body - 1], 0
             turns.append(_frame_along(axes[body - 1]))
             placement, parent_turn = model.jointPlacements[body + 1], turns[tree[body, PARENT]]
-            links[body, ROTATION:ORIGIN] = (parent_turn.T @ placement.rotation @ turns[body]).ravel()
-            links[body, ORIGIN:MASS] = parent_turn.T @ placement.translation
+            links[body, ROTATION:ORIGIN] = times(times(parent_turn.T, placement.rotation), turns[body]).ravel()
+            links[body, ORIGIN:MASS] = times(parent_turn.T, placement.translation)
         links[body, MASS:] = _inertia(model.inertias[body + 1], turns[body])
     ideal = np.tile([0.0, 0.0, 0.0, 1.0], (model.nv - 6, 1))
     rows = ideal if motors is None else np.ascontiguousarray(motors, dtype=np.float64)
@@ -83,15 +84,15 @@ def with_locked_joints(robot: RobotArrays, locked: npt.NDArray[Any]) -> RobotArr
 
 def _frame_along(axis: Vector) -> npt.NDArray[np.float64]:
     """A rotation whose z axis is the given unit vector."""
-    axis = axis / np.linalg.norm(axis)
+    axis = axis / norm(axis)
     x = np.cross(np.eye(3)[np.argmin(np.abs(axis))], axis)
-    x /= np.linalg.norm(x)
+    x /= norm(x)
     return np.column_stack([x, np.cross(axis, x), axis])
 
 
 def _inertia(inertia: Any, turn: npt.NDArray[np.float64]) -> Vector:
     """Mass, first moment and inertia at the origin, in the turned frame."""
-    com = turn.T @ inertia.lever
-    spread = float(com @ com) * np.eye(3) - np.outer(com, com)
-    at_origin = turn.T @ inertia.inertia @ turn + inertia.mass * spread
+    com = times(turn.T, inertia.lever)
+    spread = dot(com, com) * np.eye(3) - np.outer(com, com)
+    at_origin = times(times(turn.T, inertia.inertia), turn) + inertia.mass * spread
     return np.concatenate([[inertia.mass], inertia.mass * com, at_origin[np.triu_indices(3)]])

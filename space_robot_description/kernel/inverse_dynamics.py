@@ -6,8 +6,6 @@ momentum [n; f] = [A H; H^T M] [w; v], every joint along or about z, moments tak
 
 from __future__ import annotations
 
-import math
-
 from space_robot_description.kernel.arrays import (
     BASE,
     INERTIA,
@@ -36,6 +34,7 @@ from space_robot_description.kernel.spatial import (
     scaled,
 )
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import sincos
 
 Motion = tuple[Vec, Vec, Vec, Vec]
 
@@ -51,7 +50,7 @@ def place(robot: RobotArrays, body: int, joint: float, out: Vector) -> None:
     if robot.tree[body, PRISMATIC]:
         origin = add(origin, scaled(joint, (m[2], m[5], m[8])))
     else:
-        c, s = math.cos(joint), math.sin(joint)
+        s, c = sincos(joint)
         m = (
             c * m[0] + s * m[1],
             c * m[1] - s * m[0],

@@ -16,6 +16,7 @@ import numpy as np
 from space_robot_description.kernel.choice import interpreted
 from space_robot_description.kernel.light_numba import without_scipy
 from space_robot_description.kernel.turns import Turns
+from space_robot_msgs_py.kernel import elementary
 
 try:
     if interpreted():
@@ -42,6 +43,12 @@ _IMPORT = re.compile(r"^\s*(?:from|import)\s+([\w.]+\.kernel)\b", re.MULTILINE)
 # Kernel functions own no memory, arrays come from the caller: without reference counts (_nrt) they run a third faster.
 _OPTIONS = {"fastmath": False, "error_model": "numpy", "_nrt": False}
 
+if MACHINE_CODE:
+    from numba.extending import register_jitable
+
+    for _function in elementary.FUNCTIONS:
+        register_jitable(**_OPTIONS)(_function)
+
 
 def kernel(function: Function) -> Function:
     """Compile a function of scalars, tuples and arrays; no fast-math, so equal inputs give equal bits.
@@ -65,17 +72,6 @@ def inner(function: Function) -> Function:
     if numba is None:
         return function
     result: Function = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
-    return result
-
-
-def summing(function: Function) -> Function:
-    """Compile a function like ``inner`` and leave the order of its sums to the compiler, several times as fast.
-
-    Equal inputs give equal bits on one machine; with vectors of another width the last bits may be others.
-    """
-    if numba is None:
-        return function
-    result: Function = numba.njit(**_OPTIONS | {"fastmath": {"reassoc"}})(function)
     return result
 
 

@@ -5,11 +5,12 @@ Equal to the bit but for ``log``, whose length numba cannot take by ``hypot``; a
 
 from __future__ import annotations
 
-from math import atan2, sqrt
+from math import sqrt
 
 from space_robot_description.kernel.jit import inner
 from space_robot_description.kernel.spatial import Mat, Vec
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import atan2
 
 Quat = tuple[float, float, float, float]
 

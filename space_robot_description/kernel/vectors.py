@@ -1,8 +1,8 @@
 """A few doubles side by side as one number of compiled code: kernels compile for it as they are, lane by lane equal.
 
-Sums, products, quotients and square roots are those of IEEE 754 in every lane; what comes from the library of
-mathematics is called lane by lane. Nothing is fused or reordered, so that a lane has the bits of the scalar kernel.
-It uses numba's interface for extensions, and is loaded where lanes are used.
+Sums, products, quotients and square roots are those of IEEE 754 in every lane, and what ``elementary`` makes of them.
+Nothing is fused or reordered, so that a lane has the bits of the scalar kernel. It uses numba's interface for
+extensions, and is loaded where lanes are used.
 """
 
 from __future__ import annotations
@@ -16,12 +16,13 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import lower_builtin, lower_cast, models, register_model
+from numba.extending import intrinsic, lower_builtin, lower_cast, models, overload, register_model
+
+from space_robot_msgs_py.kernel.elementary import power_of_two
 
 DOUBLE = ir.DoubleType()
 ARITHMETIC = {"add": "fadd", "sub": "fsub", "mul": "fmul", "truediv": "fdiv"}
 IN_HARDWARE = {math.sqrt: "sqrt", abs: "fabs"}
-LANE_BY_LANE = (math.sin, math.cos, math.exp, math.tanh)
 
 
 class Several(types.Type):  # type: ignore[misc]
@@ -116,16 +117,17 @@ def _instruction(name: str) -> Callable[[Any, Any, Any, Several], Any]:
     return code
 
 
-def _each(function: Callable[[float], float]) -> Callable[[Any, Any, Any, Several], Any]:
-    def code(context: Any, builder: Any, value: Any, kind: Several) -> Any:
-        one = context.get_function(function, signature(types.float64, types.float64))
-        out = ir.Constant(vector_of(kind), ir.Undefined)
-        for lane in range(kind.lanes):
-            at = ir.Constant(ir.IntType(32), lane)
-            out = builder.insert_element(out, one(builder, [builder.extract_element(value, at)]), at)
-        return out
+@intrinsic  # type: ignore[untyped-decorator]
+def _exponent(context: Any, n: Any) -> Any:
+    """Integers from -1022 to 1023 where a double has its exponent."""
 
-    return code
+    def generate(context: Any, builder: Any, found: Any, values: Any) -> Any:
+        integers = ir.VectorType(ir.IntType(64), n.lanes)
+        bias, place = (ir.Constant(integers, [number] * n.lanes) for number in (1023, 52))
+        exponent = builder.add(builder.fptosi(values[0], integers), bias)
+        return builder.bitcast(builder.shl(exponent, place), vector_of(n))
+
+    return signature(n, n), generate
 
 
 def _chosen(comparison: str) -> Callable[[Any, Any, Any], Any]:
@@ -152,5 +154,11 @@ _binary(min, _chosen("<"))
 _unary(operator.neg, _negated)
 for _function, _code in IN_HARDWARE.items():
     _unary(_function, _instruction(_code))
-for _function in LANE_BY_LANE:
-    _unary(_function, _each(_function))
+
+
+@overload(power_of_two)  # type: ignore[untyped-decorator]
+def _power_of_two(n: Any) -> Any:
+    def of_several(n: Any) -> Any:
+        return _exponent(n)
+
+    return of_several if isinstance(n, Several) else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from functools import lru_cache
 
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import NANOSECONDS
@@ -17,8 +18,11 @@ _ENCAPSULATIONS = {2: "parameter list", 4: "XML", 6: "XCDR2", 8: "delimited XCDR
 MAX_TRAILING = 15
 TIME = struct.Struct("<iI")
 UINT32 = struct.Struct("<I")
+# All messages of a tick have one stamp; references are a few ticks ahead of the others.
+KNOWN_STAMPS = 256
 
 
+@lru_cache(maxsize=KNOWN_STAMPS)
 def pack_stamp(stamp: int) -> bytes:
     """A stamp [ns] as builtin_interfaces/Time.
 
@@ -43,6 +47,12 @@ def unpack_stamp(raw: bytes, offset: int = 0) -> int:
     if seconds < 0 or nanoseconds >= NANOSECONDS:
         raise LayoutError("not a time of a run", key="stamp", value=(seconds, nanoseconds), accepted="0 <= ns < 10^9")
     return int(seconds * NANOSECONDS + nanoseconds)
+
+
+@lru_cache(maxsize=KNOWN_STAMPS)
+def stamp_of(time: bytes) -> int:
+    """The stamp [ns] that a builtin_interfaces/Time of eight bytes says; see ``unpack_stamp``."""
+    return unpack_stamp(time)
 
 
 def with_stamp(raw: bytes, stamp: int) -> bytes:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from space_robot_msgs_py.codec.by_name import conformed
-from space_robot_msgs_py.codec.cdr import unpack_stamp
+from space_robot_msgs_py.codec.cdr import stamp_of
 from space_robot_msgs_py.codec.generic import canonical_message
 from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.codec.statuses import decode_statuses, encode_statuses
@@ -56,6 +57,19 @@ class TopicBytes:
         self._telemetry = telemetry_codecs()
         self._supervision = SupervisionCodec()
 
+    def reader(self, topic: Topic) -> Callable[[bytes], tuple[int, bytes]]:
+        """``read`` for one topic."""
+        layout, read = self._layouts.get(topic), partial(self.read, topic)
+        if layout is None:
+            return read
+        cut = layout.cut
+
+        def read_known(raw: bytes) -> tuple[int, bytes]:
+            known = cut(raw)
+            return read(raw) if known is None else (stamp_of(known[0]), raw)
+
+        return read_known
+
     def read(self, topic: Topic, raw: bytes) -> tuple[int, bytes]:
         """The stamp [ns] and the canonical bytes of a message.
 
@@ -66,7 +80,7 @@ class TopicBytes:
         if layout is not None:
             known = layout.cut(raw)
             if known is not None:
-                return unpack_stamp(known[0]), raw
+                return stamp_of(known[0]), raw
             check_size(layout, raw)
         if topic is CONTROLLER_EVENTS:
             events = decode_events(raw)

@@ -10,7 +10,7 @@ import numpy as np
 
 from space_robot_msgs_py.codec import message_layouts as standard
 from space_robot_msgs_py.codec.by_name import conformed
-from space_robot_msgs_py.codec.cdr import pack_stamp, unpack_stamp
+from space_robot_msgs_py.codec.cdr import pack_stamp, stamp_of, unpack_stamp
 from space_robot_msgs_py.codec.layout import Layout
 from space_robot_msgs_py.codec.texts import peek_stamp
 from space_robot_msgs_py.errors import CommandError, LayoutError, NonFiniteError
@@ -46,12 +46,9 @@ Blocks = Sequence[bytes]
 
 def all_finite(blocks: Blocks) -> bool:
     """True where no number of a part is NaN or infinite."""
-    for block in blocks:
-        numbers = memoryview(block).cast("d")
-        # The sum tells nearly always; that of huge numbers may be infinite without any of them.
-        if not isfinite(sum(numbers)) and not all(map(isfinite, numbers)):
-            return False
-    return True
+    numbers = memoryview(b"".join(blocks)).cast("d")
+    # The sum tells nearly always; that of huge numbers may be infinite without any of them.
+    return isfinite(sum(numbers)) or all(map(isfinite, numbers))
 
 
 def value_of(kind: type[V], *fields: object) -> V:
@@ -123,7 +120,7 @@ class PartsCodec(Generic[V]):
         """
         known = self.layouts[index].cut(raw)
         if known is not None:
-            return unpack_stamp(known[0]), known[1:]
+            return stamp_of(known[0]), known[1:]
         self.peek(index, raw)
         return self.decode_part(index, raw)
 

@@ -15,6 +15,7 @@ from space_robot_description.rotations import exp, from_rpy, log, product, rotat
 from space_robot_description.spec import Three
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot, norm
 from space_robot_sim.faults.base import Fault, FaultSite
 from space_robot_sim.sensor_rule import MAX_DELAY
 
@@ -159,7 +160,9 @@ class SensorNoise(SensorFault):
         """One draw of noise more."""
         size = self.errors(now.value)
         own = _full(now.noise, size)
-        sigma = own * sqrt(self.factor**2 - 1.0) if self.factor is not None else _full(self.sigma or 0.0, size)
+        sigma = (
+            own * sqrt(self.factor * self.factor - 1.0) if self.factor is not None else _full(self.sigma or 0.0, size)
+        )
         return self.shifted(now.value, sigma * now.rng.standard_normal(size))
 
 
@@ -215,7 +218,7 @@ class SensorOutliers(SensorFault):
         direction = now.rng.standard_normal(self.errors(now.value))
         if now.rng.random() >= self.probability:
             return now.value
-        return self.shifted(now.value, self.length * direction / np.linalg.norm(direction))
+        return self.shifted(now.value, self.length * direction / norm(direction))
 
 
 class SensorDelay(SensorFault):
@@ -281,4 +284,4 @@ def _full(value: Numbers, size: int) -> Vector:
 
 def _near(q: Vector, other: Vector) -> Vector:
     """Of q and -q, which are one attitude, the one on the side of another."""
-    return q if q @ other >= 0.0 else -q
+    return q if dot(q, other) >= 0.0 else -q

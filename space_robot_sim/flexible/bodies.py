@@ -15,6 +15,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.robot_spec import tensor
 from space_robot_description.validation import nearest
 from space_robot_msgs_py.errors import InertiaError, SpecError
+from space_robot_msgs_py.kernel.products import dot, norm, times
 from space_robot_sim.flexible.spec import Appendage, FlexibilitySpec, Slosh, SpringBody
 
 KEY = "plant.flexibility"
@@ -107,9 +108,9 @@ def with_hidden(robot: Robot, bodies: Sequence[HiddenBody]) -> Any:
 def _hinged(spec: Appendage, key: str) -> HiddenJoint:
     com, inertia = np.array(spec.com), tensor(spec.inertia, f"{key}.inertia")
     check_inertia(f"{spec.name} ({key})", spec.mass, com, inertia, point_mass=True)
-    axis = np.array(spec.axis) / np.linalg.norm(spec.axis)
+    axis = np.array(spec.axis) / norm(np.array(spec.axis))
     arm = np.cross(axis, com)
-    moment = float(axis @ inertia @ axis + spec.mass * (arm @ arm))
+    moment = dot(axis, times(inertia, axis)) + spec.mass * dot(arm, arm)
     if moment <= 0.0:
         accepted = "a centre of mass off the axis, or an inertia about it"
         raise SpecError(
@@ -133,7 +134,7 @@ def _sliding(spec: Slosh) -> Iterator[HiddenJoint]:
 def _spring(spec: SpringBody, inertia: float) -> tuple[float, float]:
     """Stiffness and damping of an oscillation of this inertia, its link being held."""
     omega = 2.0 * pi * spec.frequency
-    return inertia * omega**2, 2.0 * spec.damping * omega * inertia
+    return inertia * (omega * omega), 2.0 * spec.damping * omega * inertia
 
 
 def _link(robot: Robot, body: HiddenBody) -> tuple[int, Any]:

@@ -10,6 +10,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.spec import check_joint_names, expand
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot
 from space_robot_sim.flexible.bodies import KEY, hidden_bodies, with_hidden
 from space_robot_sim.flexible.modes import linear_rates
 from space_robot_sim.flexible.spec import FlexibilitySpec, JointFlexibility
@@ -124,7 +125,7 @@ class FlexibleParts:
         for joint in self.motors:
             twist[joint] -= y[int(self.springs[joint, ANGLE])]
             speed[joint] = y[int(self.springs[joint, SPEED])]
-        return 0.5 * float(self.springs[:, STIFFNESS] @ twist**2 + self.springs[:, ROTOR] @ speed**2)
+        return 0.5 * (dot(self.springs[:, STIFFNESS], twist**2) + dot(self.springs[:, ROTOR], speed**2))
 
     def _place_motors(self, end: int) -> None:
         """Lost work, then angles, then rates, behind everything else in the state."""

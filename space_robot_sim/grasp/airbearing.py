@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import pi
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from space_robot_description.robot import Robot
 from space_robot_description.spec import ReactionWheels
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
+from space_robot_msgs_py.kernel.elementary import sincos
 from space_robot_sim.grasp.camera import Camera
 from space_robot_sim.grasp.dynamics import Push
 from space_robot_sim.grasp.plant import GraspedBody, whole_steps
@@ -108,5 +109,5 @@ def _check_planar(initial: InitialState) -> None:
 def _disturbance(spec: AirbearingSpec, rng: np.random.Generator) -> tuple[float, float, float]:
     """Force in x and y [N] and torque about z [N m], constant over a run."""
     angle, sign = rng.uniform(0.0, 2.0 * pi), 1.0 if rng.random() < 0.5 else -1.0
-    push = spec.disturbance
-    return push.force * cos(angle), push.force * sin(angle), push.torque * sign
+    push, (sine, cosine) = spec.disturbance, sincos(angle)
+    return push.force * cosine, push.force * sine, push.torque * sign

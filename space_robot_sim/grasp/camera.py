@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, radians, sin
+from math import radians
 
 import numpy as np
 
 from space_robot_msgs_py.interfaces import NANOSECONDS, RobotState, Vector
+from space_robot_msgs_py.kernel.elementary import atan2, sincos
 from space_robot_sim.grasp.spec import CameraSpec
 
 
@@ -52,8 +53,8 @@ class Camera:
 
     def _state(self, stamp: int, reading: Vector, rate: Vector) -> RobotState:
         x, y, yaw = reading[:3].tolist()
-        n, c, s = reading.size - 3, cos(yaw), sin(yaw)
+        n, (s, c), half = reading.size - 3, sincos(yaw), sincos(0.5 * yaw)
         forward, sideways = c * rate[0] + s * rate[1], -s * rate[0] + c * rate[1]
-        q = [x, y, 0.0, 0.0, 0.0, sin(0.5 * yaw), cos(0.5 * yaw), *reading[3:].tolist()]
+        q = [x, y, 0.0, 0.0, 0.0, *half, *reading[3:].tolist()]
         v = [forward, sideways, 0.0, 0.0, 0.0, rate[2], *rate[3:].tolist()]
         return RobotState(stamp, np.array(q), np.array(v), np.zeros(n), np.zeros(3))

@@ -87,5 +87,5 @@ def _shift(change: ConfigurationChange | None, t: float) -> tuple[float, float]:
     if change is None:
         return 0.0, 0.0
     tau = min(max((t - change.start) / change.duration, 0.0), 1.0)
-    share = tau**3 * (10.0 + tau * (6.0 * tau - 15.0))
+    share = tau * tau * tau * (10.0 + tau * (6.0 * tau - 15.0))
     return share * change.offset, share * float(np.radians(change.angle_deg))

@@ -16,6 +16,7 @@ from space_robot_description.kernel.jit import bound
 from space_robot_description.robot import Robot
 from space_robot_description.rotations import Three, conjugate, cross, quaternion_rate, rotate_by_matrix
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 from space_robot_sim.grasp.kernel.step import GraspRule, grasp_step, grasp_work
 from space_robot_sim.grasp.law import Grasp
 from space_robot_sim.grasp.orbit import Orbit, crosses
@@ -109,8 +110,8 @@ class GraspDynamics:
             return found
         stages = self._stages
         for s in range(STAGES):
-            stages[s] = self.slope(y + h * (A[s, :s] @ stages[:s]), push, t + C[s] * h)
-        out: Vector = y + h * (B @ stages)
+            stages[s] = self.slope(y + h * times(A[s : s + 1, :s], stages[:s])[0], push, t + C[s] * h)
+        out: Vector = y + h * times(B[None, :], stages)[0]
         return out
 
     def slope(self, y: Vector, push: Push, t: float) -> Vector:
@@ -152,9 +153,9 @@ class GraspDynamics:
         pin.forwardKinematics(self._model, self._data, self._q, y[self.velocity])
         base, bodies = pin.Quaternion(y[3:7]).matrix(), range(1, self._model.njoints)
         places = [self._data.oMi[body] for body in bodies]
-        turns = base @ np.array([place.rotation for place in places])
+        turns = np.einsum("ij,kjl->kil", base, np.array([place.rotation for place in places]))
         levers = np.einsum("kij,kj->ki", turns, self._levers)
-        centres = y[:3] + np.array([place.translation for place in places]) @ base.T + levers
+        centres = y[:3] + times(np.array([place.translation for place in places]), base.T) + levers
         fall = np.array([self._orbit.acceleration(t, (x, y, z)) for x, y, z in centres.tolist()])
         force = self._masses[:, None] * fall
         torque = self._orbit.gradient_torque(t, centres, turns, self._inertias)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import cos, expm1, log1p, sin, sqrt
+from math import sqrt
 
 import numpy as np
 
 from space_robot_description.rotations import Three
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import sincos
 from space_robot_sim.grasp.spec import OrbitSpec
 
 
@@ -22,7 +23,7 @@ class Orbit:
     """
 
     def __init__(self, spec: OrbitSpec) -> None:
-        self._radius, self._rate = spec.radius, sqrt(spec.mu / spec.radius**3)
+        self._radius, self._rate = spec.radius, sqrt(spec.mu / (spec.radius * spec.radius * spec.radius))
 
     @property
     def rate(self) -> float:
@@ -33,7 +34,8 @@ class Orbit:
         """Return the acceleration [m/s2] at a time [s] and a place d [m], inertial axes."""
         r, place = self._radius, self._place(t)
         q = sum(a * (a + 2.0 * b) for a, b in zip(d, place, strict=True)) / (r * r)
-        less = expm1(-1.5 * log1p(q))
+        s = sqrt(1.0 + q)
+        less = -q / (1.0 + s) * (1.0 + s + s * s) / (s * s * s)
         n2 = self._rate * self._rate
         x, y, z = (-n2 * (a * (1.0 + less) + b * less) for a, b in zip(d, place, strict=True))
         return x, y, z
@@ -54,13 +56,15 @@ class Orbit:
         away = d + np.array(self._place(t))
         r2 = np.sum(away * away, axis=1)
         u = np.einsum("kji,kj->ki", turns, away / np.sqrt(r2)[:, None])
-        strength = 3.0 * self._rate**2 * (self._radius**2 / r2) ** 1.5
+        near = self._radius / np.sqrt(r2)
+        strength = 3.0 * self._rate * self._rate * near * near * near
         torques: Vector = strength[:, None] * crosses(u, np.einsum("kij,kj->ki", inertia, u))
         return torques
 
     def _place(self, t: float) -> Three:
         """Where the virtual point is [m]."""
-        return self._radius * cos(self._rate * t), self._radius * sin(self._rate * t), 0.0
+        sine, cosine = sincos(self._rate * t)
+        return self._radius * cosine, self._radius * sine, 0.0
 
 
 def crosses(a: Vector, b: Vector) -> Vector:

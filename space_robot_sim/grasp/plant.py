@@ -11,6 +11,7 @@ from space_robot_description.actuation import command_limit
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import IntegrationError, SpecError
 from space_robot_msgs_py.interfaces import NANOSECONDS, Command, PlantSample, RobotState, Vector
+from space_robot_msgs_py.kernel.products import norm as length_of
 from space_robot_sim.command_hold import Acting, CommandHold
 from space_robot_sim.command_monitor import CommandMonitor
 from space_robot_sim.grasp.conservation import ConservationBalance
@@ -110,7 +111,7 @@ class GraspedBody(ABC):
         self._stamp += self._period
         if not np.isfinite(self._y).all():
             raise IntegrationError(f"not finite at {self._stamp / NANOSECONDS:g} s", key="state")
-        norm = float(np.linalg.norm(self._y[3:7]))
+        norm = length_of(self._y[3:7])
         self._y[3:7] /= norm
         wheels = (stored - self._y[self.dynamics.wheels]) / (self._steps * self._h)
         return self._show(acting, push, wheels, abs(norm - 1.0))

@@ -12,6 +12,7 @@ from space_robot_description.kernel.arrays import RobotArrays
 from space_robot_description.kernel.context import kind_of, loaded, stored
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import expm1
 from space_robot_sim.kernel.allocation import Allocation, Capability, allocate, allocation
 from space_robot_sim.kernel.disturbance import NOTHING
 from space_robot_sim.kernel.flexible import RIGID, stored_energy
@@ -151,7 +152,7 @@ def settle_state(robot: RobotArrays, able: Capability, period: float, plant: Pla
     for joint in range(plant.motors.shape[0]):
         asked, start, lag = plant.allocation.effort[joint], plant.motors[joint], robot.motors[joint, LAG]
         plant.motors[joint] = motor_effort(asked, start, lag, period)
-        late = (start - asked) * lag * -math.expm1(-period / lag) / period if lag > 0.0 else 0.0
+        late = (start - asked) * lag * -expm1(-period / lag) / period if lag > 0.0 else 0.0
         plant.effort[joint] = asked + late
     for wheel in range(plant.wheels.shape[0]):
         limit = able.wheel_limit[wheel, 1]

@@ -7,7 +7,6 @@ origin | of flexible robots: work lost in dampers(1), motor angles(k), motor rat
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.quaternion import attitude, matrix, quaternion_rate
 from space_robot_description.kernel.spatial import Vec, add, cross, dot, get3, mul, scaled
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp, tanh
 from space_robot_sim.kernel.aba import forward_dynamics
 from space_robot_sim.kernel.articulated import WORKSPACE
 from space_robot_sim.kernel.coupled import CoupledMemory, coupled_dynamics, coupled_memory
@@ -77,7 +77,7 @@ def scratch(joints: int, followers: int = 0, more: int = 0) -> Scratch:
 @inner
 def motor_effort(asked: float, start: float, lag: float, t: float) -> float:
     """Effort of a first-order motor t after its command changed from ``start`` to ``asked``."""
-    return asked + (start - asked) * math.exp(-t / lag) if lag > 0.0 else asked
+    return asked + (start - asked) * exp(-t / lag) if lag > 0.0 else asked
 
 
 @inner
@@ -91,7 +91,7 @@ def joint_efforts(robot: RobotArrays, drive: Drive, t: float, y: Vector, out: Ve
         effort -= robot.motors[joint, VISCOUS] * rate
         coulomb = robot.motors[joint, COULOMB]
         if coulomb > 0.0:
-            effort -= coulomb * math.tanh(rate / robot.motors[joint, COULOMB_VELOCITY])
+            effort -= coulomb * tanh(rate / robot.motors[joint, COULOMB_VELOCITY])
         out[joint] = effort
         power += effort * rate
     return power

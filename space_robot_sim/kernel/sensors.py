@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from space_robot_description.kernel.jit import inner, kernel
 from space_robot_description.kernel.quaternion import Quat, log
 from space_robot_description.kernel.spatial import Vec
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import sincos
 from space_robot_sim.kernel.sensor_rule import SensorRule
 
 
@@ -73,8 +74,9 @@ def _turn(rule: SensorRule, truth: Vector, draws: Vector, out: Vector) -> None:
 def _exp(a: Vec) -> Quat:
     """The unit quaternion of a rotation vector."""
     angle = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-    scale = sin(0.5 * angle) / angle if angle > 0.0 else 0.5
-    return scale * a[0], scale * a[1], scale * a[2], cos(0.5 * angle)
+    sine, cosine = sincos(0.5 * angle)
+    scale = sine / angle if angle > 0.0 else 0.5
+    return scale * a[0], scale * a[1], scale * a[2], cosine
 
 
 @inner

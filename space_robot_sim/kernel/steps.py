@@ -11,6 +11,7 @@ import numpy.typing as npt
 from space_robot_description.kernel.arrays import RobotArrays
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import power
 from space_robot_sim.kernel.rhs import BEGIN, END, FIRST, Drive, Scratch, slope
 from space_robot_sim.kernel.tableau import ERROR_3, ERROR_5, STAGES, A, B, C
 
@@ -163,7 +164,7 @@ def step_factor(error: float, most: float) -> float:
     """How much longer the next step may be, from the error relative to the tolerance (not a number: much shorter)."""
     if not math.isfinite(error):
         return 0.2
-    return min(most, max(0.2, 0.9 * error ** (-0.125))) if error > 0.0 else most
+    return min(most, max(0.2, 0.9 * power(error, -0.125))) if error > 0.0 else most
 
 
 @inner

@@ -26,10 +26,10 @@ class MessageReaders:
 
     def of(self, topic: Topic) -> Reader:
         """The reader of one topic."""
-        read = self._canonical.read
+        read = self._canonical.reader(topic)
         if topic.optional:
-            return lambda raw: (peek_stamp(raw), raw) if says_none(raw) else read(topic, raw)
+            return lambda raw: (peek_stamp(raw), raw) if says_none(raw) else read(raw)
         if topic in self._parts:
             part, remove = self._parts[topic], self._marks.remove
-            return lambda raw: read(topic, remove(part, raw))
-        return lambda raw: read(topic, raw)
+            return lambda raw: read(remove(part, raw))
+        return read

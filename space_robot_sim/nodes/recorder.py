@@ -149,18 +149,21 @@ class RecorderNode(GraphNode):
         self._give_credit()
 
     def _listen_recorded(self, topic: Topic, read: Reader) -> Subscription:
-        commands = topic in COMMANDS
+        parts, commands, answer = self._parts, topic in COMMANDS, topic.kind in ANSWERS
 
         def on_message(raw: bytes) -> None:
             self.heard += 1
-            if self.closed or (commands and self._parts.contested):
+            if self.closed or (commands and parts.contested):
                 return
             try:
                 stamp, data = read(raw)
             except SpaceRobotError as error:
                 self.refuse(topic, error)
                 return
-            self._take_in(topic, stamp, data)
+            if answer and stamp < parts.next:
+                self._note_late(topic)
+            if (refusal := parts.take(topic, stamp, data)) is not None:
+                self._go_on(topic, refusal)
 
         return self.listen(topic, on_message)
 
@@ -206,11 +209,18 @@ class RecorderNode(GraphNode):
         self._write_complete()
 
     def _take_in(self, topic: Topic, stamp: int, data: bytes) -> None:
-        if not self.lossless and stamp < self._parts.next and topic.kind in ANSWERS:
+        if stamp < self._parts.next and topic.kind in ANSWERS:
+            self._note_late(topic)
+        if (refusal := self._parts.take(topic, stamp, data)) is not None:
+            self._go_on(topic, refusal)
+
+    def _note_late(self, topic: Topic) -> None:
+        """Paced, an answer to a tick that is in the log is left out of it."""
+        if not self.lossless:
             self.left_out.add(topic)
-        refusal = self._parts.take(topic, stamp, data)
-        if refusal is None:
-            return
+
+    def _go_on(self, topic: Topic, refusal: str) -> None:
+        """See ``TickParts.take``."""
         if refusal:
             self.refuse(topic, refusal)
         else:

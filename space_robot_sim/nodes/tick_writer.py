@@ -54,9 +54,10 @@ class TickLog:
     def write(self, stamp: int, parts: Parts, publishers: list[dict[str, Any]]) -> None:
         """A tick, with the news of who publishes."""
         news = [ControllerEvent(stamp, PUBLISHERS, content) for content in publishers]
-        for at in sorted(at for at in self._acting if at <= stamp):
-            news.append(ControllerEvent(stamp, ACTING, {"node": self._acting.pop(at)}))
-        if late := self.left_out.answered():
+        if self._acting:
+            for at in sorted(at for at in self._acting if at <= stamp):
+                news.append(ControllerEvent(stamp, ACTING, {"node": self._acting.pop(at)}))
+        if self._paced and (late := self.left_out.answered()):
             news.append(ControllerEvent(stamp, LATE, {"stamps": late}))
         if news:
             own = decode_events(parts[CONTROLLER_EVENTS]) if CONTROLLER_EVENTS in parts else ()

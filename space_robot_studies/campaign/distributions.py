@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, degrees, radians
+from math import degrees, radians
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -11,6 +11,7 @@ from pydantic import Field, NonNegativeFloat, model_validator
 from space_robot_description.rotations import exp, to_rpy
 from space_robot_description.spec import Strict
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import cos, power
 
 Numbers = float | Annotated[tuple[float, ...], Field(min_length=1)]
 
@@ -111,6 +112,6 @@ def _rotation(largest: float, rng: np.random.Generator) -> list[float]:
     """The density of the angle of a uniformly random rotation is 1 - cos(angle), at most angle^2 / 2."""
     axis = _direction(rng)
     while True:
-        angle = largest * rng.uniform() ** (1.0 / 3.0)
-        if rng.uniform() * angle**2 / 2.0 <= 1.0 - cos(angle):
+        angle = largest * power(rng.uniform(), 1.0 / 3.0)
+        if rng.uniform() * angle * angle / 2.0 <= 1.0 - cos(angle):
             return [degrees(part) for part in to_rpy(exp(angle * axis))]

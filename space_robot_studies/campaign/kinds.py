@@ -9,9 +9,8 @@ from typing import Any
 from space_robot_bringup.experiment.experiment import Experiment
 
 # Laws that a run can call without Python between its ticks, with most gains: see ``Law.compiled``.
-COMPILED = frozenset(
-    ("adaptive", "computed_torque", "damped_hold", "detumble", "mfac", "ntsmc", "ntsmc_euler", "park", "pd")
-)
+FOLLOWING = ("adaptive", "computed_torque", "lqr", "mfac", "mpc", "ntsmc", "ntsmc_euler", "pd", "reaction_null_space")
+COMPILED = frozenset((*FOLLOWING, "damped_hold", "detumble", "park"))
 # A run keeps 2 kB a tick, and eight of them are there at once.
 MAX_TICKS = 20_000
 

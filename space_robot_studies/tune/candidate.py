@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any
+from typing import Any, TypeAlias
 
 from space_robot_bringup.experiment.dotted_keys import set_key
 from space_robot_description.frozen import plain
@@ -15,8 +15,12 @@ from space_robot_studies.campaign.kinds import kind_of_case
 from space_robot_studies.campaign.run_case import Keep, run_case, run_cases
 from space_robot_studies.campaign.spec import Campaign
 from space_robot_studies.compare.comparison import METRICS, task_numbers
+from space_robot_studies.engine.groups import Grouping
+from space_robot_studies.engine.tasks import Task
 from space_robot_studies.tune.spec import Objective, TunedLaw
 
+# What came of each draw.
+Draws: TypeAlias = list[dict[str, Any]]
 # An axis that never settles counts as if it had settled so many durations of the run after its begin.
 NEVER_SETTLED = 2.0
 
@@ -103,9 +107,30 @@ def experiment_of(
     return data
 
 
-def evaluate(experiments: Sequence[Mapping[str, Any]], judge: Judge) -> list[dict[str, Any]]:
+def evaluate(experiments: Sequence[Mapping[str, Any]], judge: Judge) -> Draws:
     """Run each draw headless and read it; whatever goes wrong in a run is its result."""
-    cases: list[tuple[Mapping[str, Any], str, Keep]] = [(data, "tuned", "none") for data in experiments]
-    together = run_cases(cases) if len(cases) > 1 and kind_of_case(experiments[0]) else [None for _ in cases]
-    results = [run_case(*case) if one is None else one for one, case in zip(together, cases, strict=True)]
-    return [judge.read(result.columns) for result in results]
+    (found,) = _evaluated([(experiments, judge)])
+    return found
+
+
+def evaluate_together(evaluations: list[tuple[Any, ...]]) -> list[Draws | None]:
+    """``evaluate`` of several, whose runs go side by side where they can: each has the numbers that it has alone."""
+    return [*_evaluated(evaluations)]
+
+
+def kind_of(task: Task[Draws]) -> Hashable | None:
+    """The same of evaluations whose runs may share a call."""
+    experiments, _ = task.arguments
+    return kind_of_case(experiments[0])
+
+
+GROUPING: Grouping[Draws] = Grouping(kind_of, evaluate_together)
+
+
+def _evaluated(evaluations: Sequence[tuple[Any, ...]]) -> list[Draws]:
+    cases: list[tuple[Mapping[str, Any], str, Keep]] = [
+        (data, "tuned", "none") for experiments, _ in evaluations for data in experiments
+    ]
+    together = run_cases(cases) if len(cases) > 1 and kind_of_case(cases[0][0]) else [None for _ in cases]
+    results = iter([run_case(*case) if one is None else one for one, case in zip(together, cases, strict=True)])
+    return [[judge.read(next(results).columns) for _ in experiments] for experiments, judge in evaluations]

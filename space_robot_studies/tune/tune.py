@@ -16,11 +16,12 @@ from space_robot_msgs_py.errors import SilenceError, SpaceRobotError, SpecError
 from space_robot_msgs_py.extras import install
 from space_robot_studies.campaign.run_case import warm
 from space_robot_studies.campaign.spec import Campaign
+from space_robot_studies.engine.groups import run_in_groups
 from space_robot_studies.engine.hooks import StudyHooks
 from space_robot_studies.engine.journal import Journal, Row
 from space_robot_studies.engine.tasks import TIME_LIMIT, Lost, Task, Workers
 from space_robot_studies.engine.workers import check_workers, open_workers
-from space_robot_studies.tune.candidate import Judge, evaluate, experiment_of
+from space_robot_studies.tune.candidate import GROUPING, Judge, evaluate, experiment_of
 from space_robot_studies.tune.directory import Draws, check_directory, columns, known, open_tuning
 from space_robot_studies.tune.outcome import StandResult, TuningResult, write_result
 from space_robot_studies.tune.ranking import Evaluation
@@ -235,7 +236,8 @@ class Session:
         found = {trial.key: draws for trial in trials if (draws := known(self.journal, trial.key, trial.gains))}
         self._count(len(found))
         by_key = {trial.key: trial for trial in trials}
-        for task, outcome in self.pool.run(self._tasks(trials, found), self.hooks.stop):
+        tasks, count = self._tasks(trials, found), len(trials) - len(found)
+        for task, outcome in run_in_groups(self.pool, tasks, count, GROUPING, self.hooks.stop):
             trial = by_key[str(task.key)]
             found[trial.key] = self._enter(trial, outcome)
             self._count(1)

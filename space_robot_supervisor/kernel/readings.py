@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, inf, nan, sqrt
+from math import inf, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.quaternion import attitude, relative, three
 from space_robot_description.kernel.spatial import Vec, sub
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import atan2
 
 # What a row reads; each is explained in docs/supervision.md.
 POSITION, RATE, BASE_RATE, BASE_SPEED, JOINT_RATE, MARGIN = constants(0, 1, 2, 3, 4, 5)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from fnmatch import fnmatch
+from functools import cache
 from itertools import pairwise
 
 import pytest
@@ -11,9 +12,11 @@ import pytest
 from space_robot_msgs_py.set_points import SET_POINTS
 from space_robot_msgs_py.topics import TABLE
 from tests.docs.pages import ROOT, Span, pages, spans
-from tests.docs.tree import Tree
+from tests.docs.tree import Tree, files_of
 
-TREE = Tree(ROOT)
+# One worker reads the tree, once.
+pytestmark = pytest.mark.xdist_group("names")
+
 TOPICS = {topic.name.strip("/") for topic in (*TABLE, *SET_POINTS)}
 SPANS = [span for page in pages() for span in spans(str(page.relative_to(ROOT)), page.read_text(encoding="utf-8"))]
 
@@ -46,7 +49,13 @@ MEMBER = re.compile(r"(\.[A-Za-z_]\w*)+")
 CAMEL = re.compile(r"(?=\w*[a-z])[A-Z]\w+|[a-z]+[A-Z]\w*")
 CALL = re.compile(r"([A-Za-z_][\w.]*)\(.*\)")
 PLACEHOLDER = re.compile(r"<\w+>|\.\.\.|\$|(^|/)NAME\b")
-TOP = {name.split("/")[0] for name in TREE.files if "/" in name}
+TOP = {name.split("/")[0] for name in files_of(ROOT) if "/" in name}
+
+
+@cache
+def tree() -> Tree:
+    """What the repository defines; not read where the tests are only collected."""
+    return Tree(ROOT)
 
 
 def exists(span: Span) -> bool:
@@ -64,7 +73,7 @@ def path_or_module_exists(word: str) -> bool:
     if PLACEHOLDER.search(word):
         return True
     if word.startswith("space_robot_"):
-        return word in TREE.modules or path_exists(word)
+        return word in tree().modules or path_exists(word)
     return word.split("/")[0] not in TOP or "/" not in word or path_exists(word)
 
 
@@ -82,26 +91,28 @@ def name_exists(name: str, before: tuple[str, ...]) -> bool:
     if DOTTED.fullmatch(word):
         return dotted_exists(word)
     if called:
-        return word in TREE.functions or word in TREE.classes
+        return word in tree().functions or word in tree().classes
     if word.startswith("space_robot_"):
-        return word in TREE.modules or word in TREE.functions
-    return not CAMEL.fullmatch(word) or word in TREE.classes or any(word in bound for bound in TREE.modules.values())
+        return word in tree().modules or word in tree().functions
+    return (
+        not CAMEL.fullmatch(word) or word in tree().classes or any(word in bound for bound in tree().modules.values())
+    )
 
 
 def path_exists(word: str) -> bool:
     """A file or folder of the repository or of an installation, an experiment, a topic, a file that the code names."""
     plain = word.strip("/")
-    places = TREE.paths if plain.split("/")[0] in TOP else TREE.endings | TREE.installed
+    places = tree().paths if plain.split("/")[0] in TOP else tree().endings | tree().installed
     if any(fnmatch(place, plain) for place in places) if "*" in plain else plain in places:
         return True
-    return f"{plain}.yaml" in TREE.endings or word in TREE.texts or topic_exists(plain) or signal_exists(word)
+    return f"{plain}.yaml" in tree().endings or word in tree().texts or topic_exists(plain) or signal_exists(word)
 
 
 def topic_exists(word: str) -> bool:
     """A topic of the table, also in a namespace, also with one of its blocks."""
     for topic in TOPICS:
         namespace, found, block = f"/{word}/".partition(f"/{topic}/")
-        if found and "/" not in namespace.strip("/") and (not block or block.strip("/") in TREE.texts):
+        if found and "/" not in namespace.strip("/") and (not block or block.strip("/") in tree().texts):
             return True
     return False
 
@@ -109,30 +120,30 @@ def topic_exists(word: str) -> bool:
 def signal_exists(word: str) -> bool:
     """A quantity of an axis, ``base/roll.error``."""
     axis, _, quantity = word.partition(".")
-    return "/" in axis and {axis, quantity} <= TREE.texts
+    return "/" in axis and {axis, quantity} <= tree().texts
 
 
 def dotted_exists(word: str) -> bool:
     """A module, something in a module, a member of a class or object, a key of a file, a text of the code."""
-    if word in TREE.texts or word in TREE.modules or signal_exists(word):
+    if word in tree().texts or word in tree().modules or signal_exists(word):
         return True
     parts = word.split(".")
     for cut in range(len(parts) - 1, 0, -1):
         module, rest = ".".join(parts[:cut]), parts[cut:]
-        for name, bound in TREE.modules.items():
+        for name, bound in tree().modules.items():
             within = name == module or name.endswith(f".{module}")
-            if within and rest[0] in bound and (len(rest) == 1 or rest[1] in TREE.members(rest[0])):
+            if within and rest[0] in bound and (len(rest) == 1 or rest[1] in tree().members(rest[0])):
                 return True
     # An object is called like its class in a page's example; `self` is any.
-    owner = next((name for name in (parts[0], parts[0].title()) if name in TREE.classes), "")
-    if parts[1] in TREE.members(owner):
+    owner = next((name for name in (parts[0], parts[0].title()) if name in tree().classes), "")
+    if parts[1] in tree().members(owner):
         return held(parts[1:])
     return held(parts[1:] if parts[0] == "self" else parts)
 
 
 def held(parts: list[str]) -> bool:
     """Each part is a member of what the one before it holds; so are keys of experiments."""
-    return parts[0] in TREE.keys and all(b in TREE.keys[a] for a, b in pairwise(parts))
+    return parts[0] in tree().keys and all(b in tree().keys[a] for a, b in pairwise(parts))
 
 
 def test_pages_name_only_what_exists() -> None:
@@ -192,4 +203,4 @@ def test_no_exception_outlives_its_reason() -> None:
     """Foreign names are on a page and not in the tree; a file of the layout to come is not there yet."""
     named = {CALL.sub(r"\1", span.text) for span in SPANS}
     assert set(FOREIGN) <= named
-    assert {name for name in FOREIGN if name in TREE.classes} == set()
+    assert {name for name in FOREIGN if name in tree().classes} == set()

@@ -15,6 +15,8 @@ from space_robot_bringup.experiment.docs import keys_page
 from tests.support.paths import ROOT
 
 pytest.importorskip("mkdocs")
+# One worker builds it.
+pytestmark = pytest.mark.xdist_group("site")
 
 
 @pytest.fixture(scope="module")

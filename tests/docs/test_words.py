@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.docs.pages import ROOT
-from tests.docs.tree import Tree
+from tests.docs.tree import files_of
 
 # As in identifiers, so in prose: an underscore or a capital begins a word.
 REPLACED = {
@@ -48,7 +48,7 @@ def found_in(name: str) -> list[str]:
     return [f"{name}:{line}: {word!r}, write {better}" for line, word, better in old_words(text)]
 
 
-FILES = sorted(name for name in Tree(ROOT).files if name.endswith(TEXT) and name != "tests/docs/test_words.py")
+FILES = sorted(name for name in files_of(ROOT) if name.endswith(TEXT) and name != "tests/docs/test_words.py")
 
 
 def test_replaced_words_do_not_come_back() -> None:

@@ -23,14 +23,19 @@ class Class:
     members: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))
 
 
+def files_of(root: Path) -> set[str]:
+    """Files under version control, or about to be."""
+    listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    names = subprocess.run(listed, cwd=root, capture_output=True, text=True, check=True).stdout.split("\0")
+    return {name for name in names if name and (root / name).is_file()}
+
+
 class Tree:
     """Files under version control (or about to be) and the names that the Python code among them defines."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
-        listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
-        names = subprocess.run(listed, cwd=root, capture_output=True, text=True, check=True).stdout.split("\0")
-        self.files = {name for name in names if name and (root / name).is_file()}
+        self.files = files_of(root)
         self.paths = self.files | {str(folder) for name in self.files for folder in PurePosixPath(name).parents}
         # What a page may call them that speaks of one folder: `kernel/aba.py`.
         self.endings = {"/".join(parts[cut:]) for parts in map(_parts, self.paths) for cut in range(len(parts))}

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from tests.support.distribution import build_wheel, executables, foreign_environment, make_venv
+from tests.support.distribution import executables, foreign_environment, make_venv
 from tests.support.follow import DEADLINE, ended
 
 pytest.importorskip("rclpy")
@@ -46,10 +46,9 @@ print(json.dumps({"packages": [*found], "nodes": ["/".join(exe.parts[-2:]) for e
 
 
 @pytest.fixture(scope="module")
-def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def prefix(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the wheel was installed with its ROS extra."""
-    folder = tmp_path_factory.mktemp("installed")
-    return make_venv(folder / "venv", [f"{build_wheel(folder)}[ros]"])
+    return make_venv(tmp_path_factory.mktemp("installed") / "venv", [f"{wheel}[ros]"])
 
 
 def test_the_ament_index_finds_every_package_and_executable(prefix: Path, tmp_path: Path) -> None:

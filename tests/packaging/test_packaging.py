@@ -9,13 +9,14 @@ import shlex
 import sys
 import tomllib
 import zipfile
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from space_robot_description.validation import parse_yaml_text
 from space_robot_msgs_py.topics import TABLE
-from tests.support.distribution import ROOT, build_wheel, executables
+from tests.support.distribution import ROOT, executables
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 SHARE, DATA = "share/space_robot", f"space_robot-{PROJECT['version']}.data/data"
@@ -25,14 +26,12 @@ PACKAGES = ["space_robot", *(f"space_robot_{name}" for name in PARTS)]
 AMENT = [name for name in PACKAGES if (ROOT / "resource" / name).is_file()]
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
-    return zipfile.ZipFile(build_wheel(tmp_path_factory.mktemp("wheel")))
+pytestmark = pytest.mark.xdist_group("wheel")
 
 
-def test_the_wheel_holds_every_module_and_every_config_file(wheel: zipfile.ZipFile) -> None:
+def test_the_wheel_holds_every_module_and_every_config_file(wheel: Path) -> None:
     """A file added to the tree is not forgotten in the installation."""
-    held = set(wheel.namelist())
+    held = set(zipfile.ZipFile(wheel).namelist())
     kinds = (".py", ".j2", ".js", ".css", ".json", ".typed", ".txt")
     files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.name.endswith(kinds))
     modules = {path.relative_to(ROOT).as_posix() for path in files}
@@ -44,13 +43,14 @@ def test_the_wheel_holds_every_module_and_every_config_file(wheel: zipfile.ZipFi
     assert modules | config <= held, sorted((modules | config) - held)
 
 
-def test_the_wheel_is_an_ament_package_with_executables(wheel: zipfile.ZipFile) -> None:
+def test_the_wheel_is_an_ament_package_with_executables(wheel: Path) -> None:
     """Every package has its marker, and the node executables are there and may be executed."""
-    held = {info.filename: info for info in wheel.infolist()}
+    archive = zipfile.ZipFile(wheel)
+    held = {info.filename: info for info in archive.infolist()}
     assert {"space_robot_sim", "space_robot_control", "space_robot_bringup"} <= set(AMENT)
     for name in AMENT:
         assert f"{DATA}/share/ament_index/resource_index/packages/{name}" in held
-        described = ElementTree.fromstring(wheel.read(f"{DATA}/share/{name}/package.xml"))
+        described = ElementTree.fromstring(archive.read(f"{DATA}/share/{name}/package.xml"))
         assert (described.findtext("name"), described.findtext("version")) == (name, PROJECT["version"])
     assert f"{DATA}/{SHARE}/package.xml" in held
     assert {"space_robot_sim/simulator", "space_robot_control/adaptive_controller"} <= set(executables())
@@ -101,13 +101,14 @@ def test_the_container_file_installs_what_there_is() -> None:
     assert mine - {".git", ".*_cache"} <= ignored
 
 
-def test_there_is_one_license_and_one_address(wheel: zipfile.ZipFile) -> None:
+def test_there_is_one_license_and_one_address(wheel: Path) -> None:
     """Licence and repository agree in wheel, package.xml and CITATION.cff; the wheel has the text of the licence."""
     name = f"space_robot-{PROJECT['version']}.dist-info"
-    metadata = wheel.read(f"{name}/METADATA").decode().partition("\n\n")[0]
+    archive = zipfile.ZipFile(wheel)
+    metadata = archive.read(f"{name}/METADATA").decode().partition("\n\n")[0]
     fields = dict(line.split(": ", 1) for line in metadata.splitlines() if line.startswith("License"))
     assert fields == {"License-Expression": "Apache-2.0", "License-File": "LICENSE"}
-    assert wheel.read(f"{name}/licenses/LICENSE") == (ROOT / "LICENSE").read_bytes()
+    assert archive.read(f"{name}/licenses/LICENSE") == (ROOT / "LICENSE").read_bytes()
     assert ElementTree.parse(ROOT / "package.xml").findtext("license") == _citation()["license"] == "Apache-2.0"
     repository = PROJECT["urls"]["Repository"]
     assert repository == _citation()["repository-code"]

@@ -39,13 +39,16 @@ LAWS: list[dict[str, Any]] = [
     {"law": "mfac", "gains": {"input_order": 3, "units": "printed", "control_weight": 1e-9, "lead": 4.0}},
     {"law": "pd", "gains": {"bandwidth": 0.2}},
     {"law": "pd", "gains": {"bandwidth": 0.2, "outputs": ["yaw", "joint2"], "held": ["joint1"], "filter": {}}},
+    {"law": "reaction_null_space", "gains": {"weight": 0.1}},
+    {"law": "lqr", "gains": {"posture_step": 0.05}},
+    {"law": "mpc", "gains": {"horizon": 4, "base_error": 1.0, "joint_error": 2.0}},
     {"law": "damped_hold", "gains": {"rate": 0.3}},
     {"law": "detumble"},
     {"law": "park", "gains": {"posture": {"joint2": 0.3}}},
 ]
 
 
-def case(seed: int) -> Composition:
+def case(seed: int, ticks: int = TICKS) -> Composition:
     """A random experiment."""
     rng = np.random.default_rng(seed)
     robot, delays = ("mini", "servicer")[int(rng.integers(2))], [int(one) for one in rng.integers(0, 2, 2)]
@@ -53,7 +56,7 @@ def case(seed: int) -> Composition:
     data = {
         "robot": robot,
         "control_period": 0.25,
-        "duration": 0.25 * (TICKS - 1),
+        "duration": 0.25 * (ticks - 1),
         "seed": seed,
         "initial": {"attitude_deg": angles, "angular_velocity": (0.01 * rng.normal(size=3)).tolist()},
         "reference": [
@@ -82,6 +85,11 @@ def looped(composition: Composition) -> MemorySink:
     sink = run_in_memory(composition, Hooks())
     assert isinstance(sink, MemorySink)
     return sink
+
+
+def compiles(sink: MemorySink) -> bool:
+    """Whether a run has a compiled one: it completes, and no tick takes a solver."""
+    return sink.end_reason == "completed" and not sink.arrays.controller.get("limited", np.zeros(1)).any()
 
 
 def different(first: LogArrays, second: LogArrays) -> list[str]:

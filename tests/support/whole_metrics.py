@@ -99,7 +99,7 @@ def _with_totals(plant: Mapping[str, Matrix], time: Vector, axes: tuple[Axis, ..
         momentum_residual=_largest(plant["momentum_residual"]),
         energy_residual=_largest(plant["energy_residual"]),
         quaternion_residual=_largest(plant["quaternion_residual"]),
-        effort_integral=float(torque @ period),
+        effort_integral=float(np.sum(torque * period)),
         joint_limit=_largest(plant["joint_limit"]),
         integration_error=_largest(plant["integration_error"]) if "integration_error" in plant else None,
     )

@@ -10,19 +10,23 @@ import numpy as np
 
 from space_robot_control.laws.adaptive.kernel.consistency import assess
 from space_robot_description.inertia import pseudo_inertia
+from space_robot_description.kernel.dense import diagonalise
+from space_robot_description.kernel.linear import least_norm
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp
+from space_robot_msgs_py.kernel.products import times
 
 PER_BODY = 10
 MIN_EIGENVALUE = 1e-9  # of a projected pseudo-inertia, relative to its trace
 MAX_EXPONENT = 1.0  # of one natural step: a larger one means that the period is too long
 
 _TO_PSEUDO = np.array([pseudo_inertia(unit).ravel() for unit in np.eye(PER_BODY)]).T
-_FROM_PSEUDO = np.linalg.pinv(_TO_PSEUDO)
+_FROM_PSEUDO = least_norm(_TO_PSEUDO.T).T
 
 
 def pseudo_inertias(parameters: Vector) -> Vector:
     """Return (B, 4, 4) pseudo-inertias of (10 B,) parameters."""
-    out: Vector = (parameters.reshape(-1, PER_BODY) @ _TO_PSEUDO.T).reshape(-1, 4, 4)
+    out: Vector = times(parameters.reshape(-1, PER_BODY), _TO_PSEUDO.T).reshape(-1, 4, 4)
     return out
 
 
@@ -40,11 +44,11 @@ def project(parameters: Vector) -> Vector:
     if is_consistent(parameters):
         return parameters
     pseudo = pseudo_inertias(parameters)
-    values, vectors = np.linalg.eigh(pseudo)
+    values, vectors = _eigen(pseudo)
     floor = MIN_EIGENVALUE * np.maximum(np.abs(values).sum(axis=1, keepdims=True), MIN_EIGENVALUE)
     kept = np.maximum(values, floor)
     nearest = _parameters(np.einsum("bij,bj,bkj->bik", vectors, kept, vectors))
-    out = np.where(values[:, :1] >= floor, parameters.reshape(-1, PER_BODY), nearest)
+    out = np.where(values.min(axis=1, keepdims=True) >= floor, parameters.reshape(-1, PER_BODY), nearest)
     return out.ravel()
 
 
@@ -65,16 +69,26 @@ def natural_step(parameters: Vector, gradient: Vector, gain: float) -> Vector:
 
     Reference: Lee, Kwon, Park, "A natural adaptive control law for robot manipulators", IROS 2018, (17).
     """
-    root = np.linalg.cholesky(pseudo_inertias(parameters))
-    dual = (gradient.reshape(-1, PER_BODY) @ _FROM_PSEUDO).reshape(-1, 4, 4)
-    exponent = gain * (root.transpose(0, 2, 1) @ dual @ root)
-    values, vectors = np.linalg.eigh(exponent)
-    turned = root @ vectors
-    grown = np.exp(np.clip(values, -MAX_EXPONENT, MAX_EXPONENT))
+    moments, axes = _eigen(pseudo_inertias(parameters))
+    if not (moments > 0.0).all():
+        raise np.linalg.LinAlgError("a pseudo-inertia is not positive definite")
+    root = axes * np.sqrt(moments)[:, None, :]
+    dual = times(gradient.reshape(-1, PER_BODY), _FROM_PSEUDO).reshape(-1, 4, 4)
+    values, vectors = _eigen(gain * np.einsum("bji,bjk,bkl->bil", root, dual, root))
+    turned = np.einsum("bij,bjk->bik", root, vectors)
+    grown = np.array([[exp(one) for one in row] for row in np.clip(values, -MAX_EXPONENT, MAX_EXPONENT).tolist()])
     return _parameters(np.einsum("bij,bj,bkj->bik", turned, grown, turned)).ravel()
+
+
+def _eigen(matrices: Vector) -> tuple[Vector, Vector]:
+    """(B, 4) eigenvalues and (B, 4, 4) vectors as columns of symmetric (B, 4, 4)."""
+    left, vectors = np.array(matrices, order="C"), np.empty(matrices.shape)
+    for one, own in zip(left, vectors, strict=True):
+        diagonalise(one, own)
+    return np.array(np.diagonal(left, axis1=1, axis2=2)), vectors
 
 
 def _parameters(pseudo: Vector) -> Vector:
     """(B, 10) of symmetric (B, 4, 4)."""
-    out: Vector = pseudo.reshape(-1, 16) @ _FROM_PSEUDO.T
+    out: Vector = times(pseudo.reshape(-1, 16), _FROM_PSEUDO.T)
     return out

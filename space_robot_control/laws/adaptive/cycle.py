@@ -11,6 +11,7 @@ from space_robot_control.laws.adaptive.kernel.control import control
 from space_robot_control.laws.adaptive.kernel.euler import coordinates
 from space_robot_control.laws.adaptive.kernel.least_squares import correct, covariance_times, transpose_times
 from space_robot_control.laws.adaptive.kernel.regression import regression
+from space_robot_control.laws.adaptive.kernel.regressor import slotine_li
 from space_robot_control.laws.adaptive.kernel.tree import tree_of
 from space_robot_control.laws.adaptive.kernel.workspace import (
     ACCELEROMETER,
@@ -23,6 +24,7 @@ from space_robot_control.laws.adaptive.kernel.workspace import (
 from space_robot_description.kernel.jit import bound, ready
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_msgs_py.kernel.products import times
 
 _SOURCES = {"model": MODEL, "accelerometer": ACCELEROMETER, "velocity": VELOCITY}
 
@@ -67,6 +69,21 @@ class Cycle:
     def reset(self) -> None:
         """Forget the last reference."""
         self.workspace.ddx_d_before[:] = 0.0
+
+    def mass_matrix(self, x: Vector, parameters: Vector) -> Vector:
+        """Return the symmetric M (m, m) of a robot of parameters pi (P,), the translation eliminated if it is free.
+
+        Args:
+            x: (6+n,) Euler coordinates [m, rad].
+            parameters: pi.
+        """
+        first, work, rows = self.rule.first, self.workspace, []
+        for unit in np.identity(x.size)[first:]:
+            slotine_li(self.tree, work.places, x, work.zero, work.zero, unit, parameters, bool(first), work.Y)
+            rows.append(times(work.Y[first:], parameters))
+        lower = np.tril(rows)
+        out: Vector = lower + np.tril(lower, -1).T
+        return out
 
     def regression(
         self, pi_hat: Vector, start: PeriodStart, x: Vector, dx: Vector, state: RobotState

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from math import exp
-
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp
 
 
 class FilteredRegression:

@@ -188,7 +188,7 @@ class Adaptive(Law):
     def _first_mass_matrix(self, x: Vector) -> Vector:
         if self.gains.damping_inertia is not None:
             return np.array(self.gains.damping_inertia)
-        matrix = self.regressor.reduced_mass_matrix(x) if self._first else self.regressor.mass_matrix(x)
+        matrix = self._cycle.mass_matrix(x, self.regressor.parameters)
         lowest = float(np.linalg.eigvalsh(matrix)[0])
         if not lowest > 0.0:
             raise ControlError(

@@ -9,6 +9,7 @@ import numpy as np
 from space_robot_control.laws.adaptive.kernel.least_squares import correct, covariance_times
 from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot
 
 MAX_GROWTH = 1e3  # of the trace of the covariance, over that of its start
 
@@ -88,7 +89,7 @@ class RecursiveLeastSquares:
 
     def _restart(self) -> None:
         self._root = np.diag(self._spread)
-        self.covariance_trace = float(self._spread @ self._spread)
+        self.covariance_trace = dot(self._spread, self._spread)
         self._improbable = 0
 
     def _check(self, variances: float) -> None:

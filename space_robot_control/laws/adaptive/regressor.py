@@ -12,6 +12,7 @@ from space_robot_description.kernel.coupling import COORDINATE, MULTIPLIER, OFFS
 from space_robot_description.kernel.joints import joint_axes
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import times
 
 PER_BODY = 10
 _MASSLESS = 3  # of the four joints that carry the base the last one has its body
@@ -87,7 +88,7 @@ class Regressor:
         """
         if self._coupling.size:
             upper = np.triu(pin.crba(self._model, self._data, self._joints(x)))
-            full: Vector = self._spread.T @ (upper + np.triu(upper, 1).T) @ self._spread
+            full: Vector = times(times(self._spread.T, upper + np.triu(upper, 1).T), self._spread)
             return full
         m = np.array(pin.crba(self._model, self._data, x))
         m[self._lower] = m.T[self._lower]
@@ -96,19 +97,19 @@ class Regressor:
     def reduced_mass_matrix(self, x: Vector) -> Vector:
         """Return the symmetric (3+n, 3+n) inertia of rotation and joints while no force acts on the base [kg m2]."""
         m = self.mass_matrix(x)
-        out: Vector = m[3:, 3:] - m[3:, :3] @ m[:3, 3:] / m[0, 0]
+        out: Vector = m[3:, 3:] - times(m[3:, :3], m[:3, 3:]) / m[0, 0]
         return out
 
     def _rows(self, x: Vector, dx: Vector, ddx: Vector) -> Vector:
         """A view of what Pinocchio overwrites at its next call."""
         if self._coupling.size:
-            x, dx, ddx = self._joints(x), self._spread @ dx, self._spread @ ddx
+            x, dx, ddx = self._joints(x), times(self._spread, dx), times(self._spread, ddx)
         full: Vector = pin.computeJointTorqueRegressor(self._model, self._data, x, dx, ddx)[:, _MASSLESS * PER_BODY :]
-        return self._spread.T @ full if self._coupling.size else full
+        return times(self._spread.T, full) if self._coupling.size else full
 
     def _joints(self, x: Vector) -> Vector:
         """(6+N,) of all joints."""
-        out: Vector = self._spread @ x
+        out: Vector = times(self._spread, x)
         out[6:] += self._coupling[:, OFFSET]
         return out
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, inf, radians
+from math import inf, radians
 
 import numpy as np
 
@@ -10,6 +10,8 @@ from space_robot_control.laws.adaptive.gains import AdaptiveGains
 from space_robot_control.laws.adaptive.kernel.answer import UpdateRule
 from space_robot_control.laws.adaptive.least_squares import MAX_GROWTH
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp
+from space_robot_msgs_py.kernel.products import dot
 
 
 def update_rule(gains: AdaptiveGains, period: float, prior: Vector) -> UpdateRule:
@@ -22,14 +24,14 @@ def update_rule(gains: AdaptiveGains, period: float, prior: Vector) -> UpdateRul
     """
     size, rls, step = np.abs(prior), gains.rls, period * gains.tracking.gain
     spread = rls.prior_spread * size + rls.prior_floor
-    trace = float(spread @ spread)
+    trace = dot(spread, spread)
     return UpdateRule(
         squares=int(gains.update in ("rls", "rls_filtered", "composite")),
         filtered=int(gains.update == "rls_filtered"),
         tracks=int(gains.update in ("lyapunov", "composite")),
         keep=exp(-rls.bandwidth * period),
         step=step,
-        gain=step * (size + gains.tracking.floor) ** 2,
+        gain=step * (size + gains.tracking.floor) * (size + gains.tracking.floor),
         spread=spread,
         trace=trace,
         largest=MAX_GROWTH * trace,

@@ -4,22 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import log
+from pathlib import Path
+from types import ModuleType
 from typing import ClassVar
 
 import numpy as np
 from pydantic import Field, PositiveFloat
 
+from space_robot_control.kernel.answers import UNUSABLE
 from space_robot_control.laws.base import Blocks, Law, Review
+from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
-from space_robot_control.laws.lqr.linear_model import Accepted, Design, make_design
+from space_robot_control.laws.lqr.kernel import answer as kernel
+from space_robot_control.laws.lqr.kernel.design import DesignMemory, RegulatorRule
+from space_robot_control.laws.lqr.kernel.regulator import MADE, regulator_memory
+from space_robot_control.laws.lqr.kernel.riccati import UNSOLVED, UNSTABLE
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.tracking import ERROR_FIELDS, error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.actuation import torque_capacity
 from space_robot_description.fields import DYNAMIC
+from space_robot_description.kernel.cache import cached
+from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
-from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+
+INPUTS = "a model with inputs"
 
 
 class Lqr(Law):
@@ -81,34 +92,59 @@ class Lqr(Law):
         "designs": "postures for which K was computed so far [-]",
     }
     gains: Gains
+    _kernel: ClassVar[ModuleType] = kernel
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
         self.model = NominalModel(robot)
         self._first = 3 if robot.base_mode == "free_floating" else 0
         self._effort = _limits(robot, type(self).name)[self._first :]
-        self._design: Design | None = None
-        self._designs = 0
+        self._memory = regulator_memory(robot.n, self._effort.size, self._periods(), len(robot.mimics))
+        self._row = self._telemetry_layout()
+        self._answer = Answering(self._kernel.answer, robot.n, self._row)
         self.retune(self.gains)
+
+    @classmethod
+    def must_compile(cls) -> bool:
+        """True before the first such law on a machine."""
+        return not cached(Path(str(cls._kernel.__file__)), cls._kernel.answer.__name__)
 
     def retune(self, gains: Gains) -> None:
         """Go on with other accepted errors, from the next update on."""
         error = np.full(6 + self.n, gains.base_error)
         error[6:] = expand(gains.joint_error, self.robot.joint_names, "controller.gains.joint_error")
         error = error[self._first :]
-        self._accepted = Accepted(error, error / gains.time, self._effort)
-        self._design = None
+        numbers = gains.posture_step, self.control_period, self.model.mass, int(self._first > 0), int(gains.gyroscopic)
+        self._context = self._context_of(RegulatorRule(error, error / gains.time, self._effort, *numbers))
+        self._memory.counts[MADE] = 0
 
     def reset(self) -> None:
         """Forget the posture."""
         super().reset()
-        self._design, self._designs = None, 0
+        self._memory.counts[:] = 0
+
+    def prepare(self) -> None:
+        """Compile the answer."""
+        self._answer.prepare()
+
+    def compiled(self) -> CompiledLaw:
+        """The law for compiled runs."""
+        return CompiledLaw(self._kernel.answer, self._context, self._row)
 
     def review(self, path: Sequence[Reference]) -> Review:
         """Find how fast the sampled loop is where the robot starts."""
-        radius = make_design(self.model, path[0].q, self.control_period, self._accepted).radius
-        slowest = -self.control_period / log(radius)
+        start, still = path[0], np.zeros(6 + self.n)
+        at_rest = RobotState(start.stamp, start.q, still, np.zeros(self.n), np.zeros(3))
+        self._memory.counts[:] = 0
+        self._answered(at_rest, Reference(start.stamp, start.q, still, still))
+        self._memory.counts[:] = 0
+        slowest = -self.control_period / log(np.abs(np.linalg.eigvals(self.design.closed)).max())
         return Review((f"{self.name}: slowest pole of the nominal loop at the start decays in {slowest:.3g} s",))
+
+    @property
+    def design(self) -> DesignMemory:
+        """The regulator of the last posture."""
+        return self._memory.design
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class.
@@ -116,30 +152,32 @@ class Lqr(Law):
         Raises:
             ControlError: there is no gain that stabilises, or the inverse dynamics are not finite.
         """
-        errors = tracking_errors(state, reference)
-        u, _ = self.model.actuated_inverse_dynamics(state.q, state.v, errors.feedforward)
-        if self.gains.gyroscopic:
-            self.wheels.add_torque(u, state.v[3:6])
-        scaled = (
-            errors.configuration[self._first :] / self._accepted.error,
-            errors.velocity[self._first :] / self._accepted.rate,
-        )
-        feedback, more = self._feedback(self._design_at(state), np.concatenate(scaled), u)
-        u[self._first :] += feedback
-        return u, {**error_blocks(errors), "feedback": feedback, "designs": self._designs, **more}
+        _, u, row = self._answered(state, reference)
+        return u, self._row.blocks(row)
 
-    def _feedback(self, design: Design, x: Vector, feedforward: Vector) -> tuple[Vector, Blocks]:
-        """What is added to the feed-forward u (6+n,) for x (2m,), (m,) [N, N m], and telemetry of its own."""
-        del feedforward
-        return -self._effort * (design.gain @ x), {}
+    def _answered(self, state: RobotState, reference: Reference) -> tuple[int, Vector, Vector]:
+        """Status, u (6+n,) and row of telemetry of one answer; a status that has no words is a subclass's own."""
+        status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
+        if status == UNUSABLE:
+            value = self._memory.acceleration.tolist()
+            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=value)
+        if status == UNSOLVED:
+            raise ControlError("the Riccati equation has no solution that is found", key="X", accepted=INPUTS)
+        if status == UNSTABLE:
+            raise ControlError("the gain does not stabilise", key="K", accepted="all poles inside 1")
+        return status, u, row
 
-    def _design_at(self, state: RobotState) -> Design:
-        """The regulator in force: that of the last posture, or a new one where the arm has left it."""
-        design = self._design
-        if design is None or float(np.abs(state.joints - design.joints).max(initial=0.0)) > self.gains.posture_step:
-            design = make_design(self.model, state.q, self.control_period, self._accepted)
-            self._design, self._designs = design, self._designs + 1
-        return design
+    def _periods(self) -> int:
+        """How many are looked ahead; one is enough where no limit is looked at."""
+        return 1
+
+    def _telemetry_layout(self) -> Layout:
+        n, m = self.n, self._effort.size
+        errors = {"position_error": 3, "attitude_error": 3, "joint_error": n, "twist_error": 6, "joint_rate_error": n}
+        return Layout.of({**errors, "feedback": m, "designs": 1})
+
+    def _context_of(self, rule: RegulatorRule) -> Context:
+        return context_of(kernel.RegulatorContext(rule, self._memory, self.model.arrays), kernel.keep)
 
 
 def _limits(robot: Robot, name: str) -> Vector:

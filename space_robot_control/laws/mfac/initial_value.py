@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from space_robot_description.kernel.linear import least_squares
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.products import dot, times
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -129,12 +131,12 @@ def _least_squares(rows: Vector, y: Vector) -> tuple[Vector, Vector]:
     if freedom <= 0 or size.min() == 0.0 or np.linalg.cond(rows / size) > 1e8:
         return np.zeros(rows.shape[1]), np.full(rows.shape[1], np.inf)
     scaled = rows / size
-    coefficients = np.linalg.lstsq(scaled, y, rcond=None)[0]
-    residual = y - scaled @ coefficients
-    variance = float(residual @ residual) / freedom
+    coefficients, inverse_normal = least_squares(scaled, y)
+    residual = y - times(scaled, coefficients)
+    variance = dot(residual, residual) / freedom
     # Correlated residuals count as fewer samples: a misfit is no white noise.
-    correlation = float(residual[1:] @ residual[:-1]) / max(float(residual @ residual), np.finfo(np.float64).tiny)
+    correlation = dot(residual[1:], residual[:-1]) / max(dot(residual, residual), np.finfo(np.float64).tiny)
     correlation = min(max(correlation, 0.0), 0.99)
     variance *= (1.0 + correlation) / (1.0 - correlation)
-    spread = np.sqrt(variance * np.diag(np.linalg.inv(scaled.T @ scaled)))
+    spread = np.sqrt(variance * inverse_normal)
     return coefficients / size, spread / size

@@ -34,7 +34,7 @@ class Mapping:
         """
         if self.lead is not None:
             return self.period * (self.lead + 0.5 * self.period)[:, None] * response
-        return self.period**2 * response / (2.0 if self.input_order > 1 else 1.0)
+        return self.period * self.period * response / (2.0 if self.input_order > 1 else 1.0)
 
     def first(self, response: Vector) -> Vector:
         """Phi(1), (m, m (Ly+Lu)): past increments 2, -1 (of z: 1, 0), then the gain."""

@@ -13,6 +13,8 @@ from space_robot_control.laws.mfac.kernel.gradient import (
     learn,
     pass_over,
 )
+from space_robot_description.kernel.dense import smallest_singular_value
+from space_robot_description.kernel.linear import inverse
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.interfaces import Vector
 
@@ -68,9 +70,9 @@ class PseudoGradient:
         gain = first[:, self._gain]
         if not np.isfinite(first).all() or np.linalg.cond(gain) > 1e12:
             raise SpecError("has no inverse", key="first (phi of the input)", value=gain.tolist())
-        self.memory.first[:], self.memory.back[:] = first, np.linalg.inv(gain)
+        self.memory.first[:], self.memory.back[:] = first, inverse(gain)
         self.memory.bounds[FLOOR] = self._floor
-        self.memory.bounds[LEAST] = self._floor * float(np.linalg.svd(gain, compute_uv=False)[-1])
+        self.memory.bounds[LEAST] = self._floor * smallest_singular_value(np.array(gain), np.empty_like(gain))
         self.reset()
 
     @property

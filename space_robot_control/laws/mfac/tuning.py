@@ -68,7 +68,7 @@ def review(gains: MfacGains, channels: Channels, chosen: Tuning, response: Vecto
     scales = Scales.printed(lengths, channels.size)
     phi = gain * scales.output if gains.units == "printed" else np.ones(channels.size)
     for i, name in enumerate(channels.names):
-        share = float(chosen.kappa[i]) + gains.control_weight / float(phi[i]) ** 2
+        share = float(chosen.kappa[i]) + gains.control_weight / float(phi[i] * phi[i])
         ratio, periods = 1.0 / max(share, 1e-9), None if lead is None else float(lead[i]) / period
         radius, late = (spectral_radius(ratio, float(chosen.rho[i]), delay, lead=periods) for delay in (0, 1))
         place = f"phi^2/lambda = {ratio:.3g}, rho = {chosen.rho[i]:.3g}"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from space_robot_control.laws.lqr.linear_model import Design
+from space_robot_control.laws.lqr.kernel.design import DesignMemory
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -19,15 +19,13 @@ class Horizon:
     Attributes:
         hessian: (N m, N m).
         slope: (N m, 2m).
-        free: (N m, 2m) -hessian^-1 slope: z without limits; its first rows are the regulator's -K.
     """
 
     hessian: Vector
     slope: Vector
-    free: Vector
 
 
-def make_horizon(design: Design, periods: int) -> Horizon:
+def make_horizon(design: DesignMemory, periods: int) -> Horizon:
     """The problem of a posture.
 
     Args:
@@ -49,5 +47,4 @@ def make_horizon(design: Design, periods: int) -> Horizon:
     flat = weighted.reshape(periods * size, periods * m)
     hessian = np.identity(periods * m) + flat.T @ gamma.reshape(periods * size, periods * m)
     hessian = 0.5 * (hessian + hessian.T)
-    slope = flat.T @ phi.reshape(periods * size, size)
-    return Horizon(hessian, slope, -np.array(np.linalg.solve(hessian, slope)))
+    return Horizon(hessian, flat.T @ phi.reshape(periods * size, size))

@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from types import ModuleType
 from typing import ClassVar
 
+import numpy as np
 from pydantic import Field
 
 from space_robot_control.laws.base import Blocks
+from space_robot_control.laws.compiled import CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRanges
+from space_robot_control.laws.lqr.kernel.design import RegulatorRule
+from space_robot_control.laws.lqr.kernel.regulator import DESIGNS
 from space_robot_control.laws.lqr.law import Lqr
-from space_robot_control.laws.lqr.linear_model import Design
 from space_robot_control.laws.mpc.horizon import Horizon, make_horizon
+from space_robot_control.laws.mpc.kernel import answer as kernel
+from space_robot_control.laws.mpc.kernel.answer import LIMITED
 from space_robot_control.laws.mpc.limits import HorizonLimits
 from space_robot_control.laws.mpc.solver import check_installed, solve
+from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
 class LinearMpc(Lqr):
@@ -54,26 +62,66 @@ class LinearMpc(Lqr):
         "iterations": "of the solver [-]",
     }
     gains: Gains
+    _kernel: ClassVar[ModuleType] = kernel
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         check_installed()
         super().__init__(robot, control_period, gains)
-        self._limits = HorizonLimits(robot, self._effort, self.gains.horizon)
-        self._horizon: tuple[Design, Horizon] | None = None
 
-    def _feedback(self, design: Design, x: Vector, feedforward: Vector) -> tuple[Vector, Blocks]:
-        """The first of the inputs that cost least."""
-        horizon, limits = self._horizon_of(design), self._limits
-        z, iterations = horizon.free @ x, 0
-        low, high, *slab = limits.bounds(feedforward)
-        product = limits.rows @ z
-        fits = bool(((low <= z) & (z <= high)).all() and ((slab[0] <= product) & (product <= slab[1])).all())
-        if not fits:
-            z, iterations = solve(horizon.hessian, horizon.slope @ x, (low, high), limits.rows, (slab[0], slab[1]))
-        return self._effort * z[: self._effort.size], {"limited": float(not fits), "iterations": iterations}
+    @cached_property
+    def _limits(self) -> HorizonLimits:
+        return HorizonLimits(self.robot, self._effort, self._periods())
 
-    def _horizon_of(self, design: Design) -> Horizon:
+    def retune(self, gains: Lqr.Gains) -> None:
+        """Go on with other accepted errors, from the next update on."""
+        super().retune(gains)
+        self._horizon: tuple[int, Horizon] | None = None
+
+    def reset(self) -> None:
+        """Forget the posture."""
+        super().reset()
+        self._horizon = None
+
+    def compiled(self) -> CompiledLaw:
+        """The law for compiled runs, as far as no limit is met."""
+        return super().compiled()
+
+    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
+        """Return u and the telemetry listed at the class.
+
+        Raises:
+            ControlError: as of ``Lqr``, or the solver has no answer.
+        """
+        status, u, row = self._answered(state, reference)
+        if status == LIMITED:
+            self._solve(u, row)
+        return u, self._row.blocks(row)
+
+    def _solve(self, u: Vector, row: Vector) -> None:
+        """Write u (6+n,), the feed-forward so far, and the row: the first of the inputs that cost least."""
+        horizon, limits, memory, m = self._horizon_of(), self._limits, self._memory, self._effort.size
+        low, high, *slab = limits.bounds(u)
+        slope = horizon.slope @ memory.x
+        z, iterations = solve(horizon.hessian, slope, (low, high), limits.rows, (slab[0], slab[1]))
+        feedback = self._effort * z[:m]
+        u[self._first :] += feedback
+        errors = memory.configuration, memory.velocity
+        row[:] = np.concatenate([*errors, feedback, [memory.counts[DESIGNS], 1.0, iterations]])
+
+    def _horizon_of(self) -> Horizon:
         """Made once per posture."""
-        if self._horizon is None or self._horizon[0] is not design:
-            self._horizon = design, make_horizon(design, self.gains.horizon)
+        designs = int(self._memory.counts[DESIGNS])
+        if self._horizon is None or self._horizon[0] != designs:
+            self._horizon = designs, make_horizon(self.design, self._periods())
         return self._horizon[1]
+
+    def _periods(self) -> int:
+        return self.gains.horizon
+
+    def _telemetry_layout(self) -> Layout:
+        found = super()._telemetry_layout()
+        return Layout((*found.labels, "limited", "iterations"), (*found.sizes, 1, 1))
+
+    def _context_of(self, rule: RegulatorRule) -> Context:
+        values = kernel.PredictiveContext(rule, self._memory, self.model.arrays, self._limits.rule)
+        return context_of(values, kernel.keep)

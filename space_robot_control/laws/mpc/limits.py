@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from space_robot_control.command_limits import CommandLimits
+from space_robot_control.laws.mpc.kernel.answer import LimitRule
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.interfaces import Vector
 
@@ -19,6 +20,7 @@ class HorizonLimits:
 
     Attributes:
         boxed: (k,) indices into a period's inputs that have a limit of their own.
+        rule: of one period, for kernels.
         rows: (N w, N m) of the wheels, where torque about the axes of the body is shared by w of them.
     """
 
@@ -31,6 +33,7 @@ class HorizonLimits:
         self._share = np.zeros((limits.share.shape[0], effort.size))
         self._share[:, 3 - first : 6 - first] = limits.share
         self._wheel = limits.channels[6 + robot.n :]
+        self.rule = LimitRule(np.array(self._limit), self._share, np.array(self._wheel))
         self.rows = np.array(np.kron(np.identity(periods), self._share * effort), dtype=np.float64)
 
     def bounds(self, feedforward: Vector) -> tuple[Vector, Vector, Vector, Vector]:

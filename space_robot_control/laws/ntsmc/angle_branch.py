@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import copysign, cos, pi, remainder, sin, tau
+from math import copysign, pi, remainder, tau
 
 from space_robot_description.rotations import Floats, Three, to_rpy
+from space_robot_msgs_py.kernel.elementary import cos, sincos
 
 # [-]: at a |cos pitch| below this, roll and yaw cannot be separated in a quaternion of doubles.
 LOCKED = 1e-7
@@ -25,7 +26,7 @@ def euler_rates(rpy: Floats, omega: Floats, min_cosine: float) -> Three:
     """
     roll, pitch, _ = rpy
     wx, wy, wz = omega
-    cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
+    (sr, cr), (sp, cp) = sincos(roll), sincos(pitch)
     if abs(cp) < min_cosine:
         cp = copysign(min_cosine, cp)
     yaw_rate = (sr * wy + cr * wz) / cp
@@ -60,4 +61,4 @@ class AngleBranch:
         return roll, pitch, yaw
 
     def _distance(self, rpy: Three) -> float:
-        return sum((angle - last) ** 2 for angle, last in zip(rpy, self._last, strict=True))
+        return sum((angle - last) * (angle - last) for angle, last in zip(rpy, self._last, strict=True))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import exp, inf
+from math import inf
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from space_robot_control.laws.base import Review
 from space_robot_control.laws.ntsmc.gains import SlidingGains
 from space_robot_control.laws.ntsmc.kernel.sliding import ROWS, SlidingRule, adapt, slide
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import exp, power
 
 Floats = Sequence[float]
 # [m/s, rad/s]: the rate at which a DoF without an error of its own is taken to be disturbed by the others.
@@ -72,7 +73,7 @@ class SlidingMode:
             reach=exponents.reach,
             # The power of Delta s has no finite slope at 0; the layer's width is the least distance that means
             # anything.
-            edge=layer ** (exponents.reach - 1.0),
+            edge=power(layer, exponents.reach - 1.0),
             half_norm_power=exponents.p1 / exponents.q1,
         )
         self._adaptation, self.keep = adaptation, exp(-adaptation.leak * control_period)
@@ -124,10 +125,10 @@ class SlidingMode:
             slowest: least rate to assume [m/s, rad/s].
         """
         rule, (gamma, k2) = self.rule, self._per_dof()
-        rates = [max((g * abs(x)) ** (1.0 / rule.r), slowest) for g, x in zip(gamma, e, strict=True)]
+        rates = [max(power(g * abs(x), 1.0 / rule.r), slowest) for g, x in zip(gamma, e, strict=True)]
         flat = self._adaptation.initial / rule.layer
         return [
-            loop_gain(rule.period, rule.r, g, rate ** (rule.r - 1.0), flat + k * rule.reach * rule.edge)
+            loop_gain(rule.period, rule.r, g, power(rate, rule.r - 1.0), flat + k * rule.reach * rule.edge)
             for rate, g, k in zip(rates, gamma, k2, strict=True)
         ]
 
@@ -211,9 +212,9 @@ def cycle_rate(control_period: float, r: float, reach: float, gamma: float, k2: 
     Returns:
         D; 0 for r p2/q2 >= 1, where such a cycle attracts nothing.
     """
-    power = 1.0 - r * reach
-    if power <= 0.0:
+    exponent = 1.0 - r * reach
+    if exponent <= 0.0:
         return 0.0
-    ratio = control_period * k2 / (2.0 * gamma**reach)
+    ratio = control_period * k2 / (2.0 * power(gamma, reach))
     # Past a hundred times the period the power would leave the range of floats.
-    return float(min(ratio, 100.0) ** (1.0 / power))
+    return power(min(ratio, 100.0), 1.0 / exponent)

@@ -9,7 +9,6 @@ import numpy as np
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.channels import Channels
-from space_robot_control.kernel.dense import factor
 from space_robot_control.laws.base import Blocks, Law, Review
 from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
@@ -20,6 +19,7 @@ from space_robot_control.sensing import FilterSpec, Sensing
 from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.fields import DYNAMIC
 from space_robot_description.kernel.context import context_of
+from space_robot_description.kernel.dense import factor
 from space_robot_description.robot import Robot
 from space_robot_description.spec import expand
 from space_robot_msgs_py.errors import ControlError
@@ -87,7 +87,7 @@ class ProportionalDerivative(Law):
     def retune(self, gains: Gains) -> None:
         """Go on with another bandwidth or damping."""
         self._wn = expand(gains.bandwidth, self.channels.names, "controller.gains.bandwidth")
-        self._numbers.kp[:], self._numbers.kd[:] = self._wn**2, 2.0 * gains.damping * self._wn
+        self._numbers.kp[:], self._numbers.kd[:] = self._wn * self._wn, 2.0 * gains.damping * self._wn
 
     def reset(self) -> None:
         """Forget filter and response."""

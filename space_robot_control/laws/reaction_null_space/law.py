@@ -4,15 +4,24 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-import numpy as np
 from pydantic import Field, PositiveFloat
 
 from space_robot_control.laws.base import Blocks, Law
+from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
+from space_robot_control.laws.reaction_null_space.kernel.answer import (
+    NullSpaceContext,
+    NullSpaceRule,
+    answer,
+    keep,
+    null_space_memory,
+)
 from space_robot_control.nominal_model import NominalModel
-from space_robot_control.tracking import ERROR_FIELDS, TrackingErrors, error_blocks, tracking_errors
+from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.fields import DYNAMIC
+from space_robot_description.kernel.context import context_of
 from space_robot_description.robot import Robot
+from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
@@ -80,8 +89,27 @@ class ReactionNullSpace(Law):
 
     def __init__(self, robot: Robot, control_period: float, gains: Gains | None = None) -> None:
         super().__init__(robot, control_period, gains)
-        self.model = NominalModel(robot)
-        self._base = 3 if robot.base_mode == "free_floating" else 6
+        base = 3 if robot.base_mode == "free_floating" else 6
+        self.model, self._row = NominalModel(robot), _layout(robot.n, base)
+        self._memory = null_space_memory(robot.n, base, len(robot.mimics))
+        self._answer = Answering(answer, robot.n, self._row)
+        self.retune(self.gains)
+
+    def retune(self, gains: Gains) -> None:
+        """Go on with other gains."""
+        T, floating = self.control_period, int(self.robot.base_mode == "free_floating")
+        decay, bandwidth = gains.rate / (1.0 + gains.rate * T), gains.bandwidth / (1.0 + gains.bandwidth * T)
+        numbers = T, gains.stiffness, decay, bandwidth, gains.weight, self.model.mass
+        rule = NullSpaceRule(*numbers, floating, int(gains.gyroscopic))
+        self._context = context_of(NullSpaceContext(rule, self._memory, self.model.arrays), keep)
+
+    def prepare(self) -> None:
+        """Compile the answer."""
+        self._answer.prepare()
+
+    def compiled(self) -> CompiledLaw:
+        """The law for compiled runs."""
+        return CompiledLaw(answer, self._context, self._row)
 
     def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
         """Return u and the telemetry listed at the class.
@@ -89,35 +117,13 @@ class ReactionNullSpace(Law):
         Raises:
             ControlError: the inverse dynamics of the nominal model is not finite.
         """
-        T, errors = self.control_period, tracking_errors(state, reference)
-        desired, e, e_rate = reference.v[6:], errors.joints, errors.joint_rates
-        k = self.gains.stiffness
-        jacobian = self._jacobian(state.q)
-        now = self._filtered(jacobian, desired + k * e)
-        ahead = np.array(state.q)
-        ahead[7:] += T * state.joint_rates
-        then = self._filtered(self._jacobian(ahead), desired + T * reference.a[6:] + k * (e + T * e_rate))
-        decay = self.gains.rate / (1.0 + self.gains.rate * T)
-        a = np.concatenate([self._base_acceleration(errors), (then - now) / T + decay * (now - state.joint_rates)])
-        u, _ = self.model.actuated_inverse_dynamics(state.q, state.v, a)
-        if self.gains.gyroscopic:
-            self.wheels.add_torque(u, state.v[3:6])
-        return u, {**error_blocks(errors), "rate_command": now, "reaction": jacobian @ now}
+        status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
+        if status:
+            value = self._memory.acceleration.tolist()
+            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=value)
+        return u, self._row.blocks(row)
 
-    def _base_acceleration(self, errors: TrackingErrors) -> Vector:
-        """a_b (6,) [m/s2, rad/s2]."""
-        wn = self.gains.bandwidth / (1.0 + self.gains.bandwidth * self.control_period)
-        out: Vector = errors.feedforward[:6] + 2.0 * wn * errors.twist + wn**2 * errors.configuration[:6]
-        return out
 
-    def _jacobian(self, q: Vector) -> Vector:
-        """J (3 or 6, n) of a configuration [1/s per rad/s]."""
-        inertia, b = self.model.actuated_mass_matrix(q), self._base
-        return -np.array(np.linalg.solve(inertia[:b, :b], inertia[:b, b:]))
-
-    def _filtered(self, jacobian: Vector, rates: Vector) -> Vector:
-        """N r (n,) of joint rates r: r - lambda^2 J^T (I + lambda^2 J J^T)^-1 J r."""
-        weighted = self.gains.weight * jacobian
-        inner = np.identity(self._base) + weighted @ weighted.T
-        out: Vector = rates - weighted.T @ np.linalg.solve(inner, weighted @ rates)
-        return out
+def _layout(n: int, base: int) -> Layout:
+    errors = {"position_error": 3, "attitude_error": 3, "joint_error": n, "twist_error": 6, "joint_rate_error": n}
+    return Layout.of({**errors, "rate_command": n, "reaction": base})

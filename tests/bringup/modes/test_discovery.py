@@ -42,6 +42,19 @@ def test_ours_is_read_where_there_is_no_other(capfd: pytest.CaptureFixture[str])
     assert int(count) * int(nanoseconds) * 1e-9 >= 3.0
 
 
+def test_readers_are_asked_for_what_they_lack_by_the_clock_and_not_with_every_message() -> None:
+    """A lost message is repaired within a second; a writer whose history is full gets no answer to each of its own."""
+    space = {"": "http://www.eprosima.com"}
+    writer = ElementTree.parse(DISCOVERY).find(".//data_writer[@is_default_profile='true']", space)
+    assert writer is not None
+    assert writer.findtext("qos/disable_heartbeat_piggyback", "", space) == "true"
+    asked, deaf = (
+        1e-9 * int(writer.findtext(f"times/{name}/nanosec", "", space))
+        for name in ("heartbeatPeriod", "nackSupressionDuration")
+    )
+    assert 0.0 < deaf < asked <= 0.5
+
+
 @pytest.mark.parametrize("name", PROFILE_VARIABLES)
 def test_a_profile_of_the_user_stays(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str) -> None:
     """A variable that is set is left as it is, and no other is added."""

@@ -23,7 +23,6 @@ def test_the_laws_are_those_that_have_a_compiled_form() -> None:
     "changes",
     [
         ["supervision=mini_basic"],
-        ["controller={law: lqr}"],
         ["controller={law: 'tests.support.laws:Buggy'}"],
         ["controller.standby={other: {law: pd, gains: {bandwidth: 0.2}}}"],
         ["duration=6000.0"],

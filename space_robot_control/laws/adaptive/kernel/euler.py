@@ -6,12 +6,13 @@ Three angles are (roll, pitch, yaw), as in ``rotations``.
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, pi, sin, tau
+from math import pi, sqrt, tau
 
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_description.kernel.quaternion import attitude, matrix
 from space_robot_description.kernel.spatial import Vec, add, cross, mul
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import atan2, sincos
 
 YAW, PITCH, ROLL = 3, 4, 5
 
@@ -25,9 +26,9 @@ def rates(rpy: Vec, omega: Vec) -> Vec:
     """
     roll, pitch, _ = rpy
     wx, wy, wz = omega
-    cr, sr = cos(roll), sin(roll)
-    dyaw = (sr * wy + cr * wz) / cos(pitch)
-    return wx + sin(pitch) * dyaw, cr * wy - sr * wz, dyaw
+    (sr, cr), (sp, cp) = sincos(roll), sincos(pitch)
+    dyaw = (sr * wy + cr * wz) / cp
+    return wx + sp * dyaw, cr * wy - sr * wz, dyaw
 
 
 def accelerations(rpy: Vec, drpy: Vec, omega: Vec, alpha: Vec) -> Vec:
@@ -42,7 +43,7 @@ def accelerations(rpy: Vec, drpy: Vec, omega: Vec, alpha: Vec) -> Vec:
     roll, pitch, _ = rpy
     droll, dpitch, dyaw = drpy
     _, wy, wz = omega
-    cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
+    (sr, cr), (sp, cp) = sincos(roll), sincos(pitch)
     ay, az = alpha[1] - droll * wz, alpha[2] + droll * wy
     ddyaw = (sr * ay + cr * az + dyaw * dpitch * sp) / cp
     return alpha[0] + ddyaw * sp + dyaw * dpitch * cp, cr * ay - sr * az, ddyaw
@@ -57,8 +58,8 @@ def body_torque(rpy: Vec, about: Vec) -> Vec:
     """
     roll, pitch, _ = rpy
     about_roll, about_pitch, about_yaw = about
-    cr, sr = cos(roll), sin(roll)
-    b = (about_yaw + sin(pitch) * about_roll) / cos(pitch)
+    (sr, cr), (sp, cp) = sincos(roll), sincos(pitch)
+    b = (about_yaw + sp * about_roll) / cp
     return about_roll, cr * about_pitch + sr * b, cr * b - sr * about_pitch
 
 
@@ -66,7 +67,7 @@ def generalised_torque(rpy: Vec, torque: Vec) -> Vec:
     """Return the forces dual to the rates of roll, pitch, yaw of a torque in the body frame: the inverse [N m]."""
     roll, pitch, _ = rpy
     tx, ty, tz = torque
-    cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
+    (sr, cr), (sp, cp) = sincos(roll), sincos(pitch)
     return tx, cr * ty - sr * tz, cp * (sr * ty + cr * tz) - sp * tx
 
 
@@ -96,9 +97,10 @@ def coordinates(q: Vector, v: Vector, x: Vector, dx: Vector) -> None:
     """
     a, b, c, d = q[3], q[4], q[5], q[6]
     difference, total = atan2(a - c, d + b), atan2(a + c, d - b)
+    across, along = sqrt((d + b) * (d + b) + (a - c) * (a - c)), sqrt((d - b) * (d - b) + (a + c) * (a + c))
     rpy = (
         short_way_in(total + difference),
-        2.0 * atan2(hypot(d + b, a - c), hypot(d - b, a + c)) - 0.5 * pi,
+        2.0 * atan2(across, along) - 0.5 * pi,
         short_way_in(total - difference),
     )
     droll, dpitch, dyaw = rates_in(rpy, (v[3], v[4], v[5]))

@@ -7,7 +7,6 @@ nor the velocity of the base enters the equations of motion.
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +17,7 @@ from space_robot_description.kernel.jit import constants, inner
 from space_robot_description.kernel.joints import joint_axes
 from space_robot_description.kernel.spatial import Mat, Vec, add, get3, get9, mul, product, put3, put9, scaled
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import sincos
 
 BASE = 6  # degrees of freedom before the first joint
 # Columns of `frames`: rotation to the parent (9), origin in the parent (3), axis of the joint in its own frame (3).
@@ -122,8 +122,7 @@ def _place(tree: Tree, x: Vector, at: Places) -> None:
 @inner
 def _place_base(x: Vector, at: Places) -> None:
     """R = Rz(yaw) Ry(pitch) Rx(roll), and the axes that x moves the base along and about."""
-    cy, sy, cp, sp = math.cos(x[3]), math.sin(x[3]), math.cos(x[4]), math.sin(x[4])
-    cr, sr = math.cos(x[5]), math.sin(x[5])
+    (sy, cy), (sp, cp), (sr, cr) = sincos(x[3]), sincos(x[4]), sincos(x[5])
     put9(
         at.bodies,
         ROOT,
@@ -155,7 +154,7 @@ def _place_base(x: Vector, at: Places) -> None:
 def _about(axis: Vec, angle: float) -> Mat:
     """The rotation about a unit axis (Rodrigues)."""
     x, y, z = axis
-    c, s = math.cos(angle), math.sin(angle)
+    s, c = sincos(angle)
     t = 1.0 - c
     return (
         c + t * x * x,

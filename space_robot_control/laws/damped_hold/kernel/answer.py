@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.kernel.answers import ANSWERED, UNUSABLE
-from space_robot_control.kernel.dense import factor, largest_singular_value, solve
 from space_robot_control.kernel.mass import inertia
 from space_robot_control.kernel.rest import RestRobot, RestRoom, rest_example, show_errors
 from space_robot_description.kernel.context import kind_of, loaded, stored
+from space_robot_description.kernel.dense import factor, largest_singular_value, solve
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.kernel.answers import ANSWERED, UNUSABLE
-from space_robot_control.kernel.dense import excess_of, factor, solve
 from space_robot_control.laws.mfac.kernel.gradient import LEAST, GradientMemory, push
+from space_robot_description.kernel.dense import excess_of, factor, solve
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 

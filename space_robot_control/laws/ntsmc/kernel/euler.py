@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, copysign, cos, pi, sin, sqrt, tau
+from math import copysign, pi, sqrt, tau
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from space_robot_description.kernel.jit import inner
 from space_robot_description.kernel.quaternion import Quat
 from space_robot_description.kernel.spatial import Vec
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import atan2, cos, sincos
 
 # [-]: at a |cos pitch| below this, roll and yaw cannot be separated in a quaternion of doubles.
 LOCKED = 1e-7
@@ -47,7 +48,7 @@ def nearest(q: Quat, last: Vector) -> Vec:
 @inner
 def euler_rates(rpy: Vec, omega: Vec, min_cosine: float) -> Vec:
     """Derivatives of roll, pitch, yaw for a body rate: N(rpy)^-1 omega [rad/s]."""
-    cr, sr, cp, sp = cos(rpy[0]), sin(rpy[0]), cos(rpy[1]), sin(rpy[1])
+    (sr, cr), (sp, cp) = sincos(rpy[0]), sincos(rpy[1])
     if abs(cp) < min_cosine:
         cp = copysign(min_cosine, cp)
     yaw_rate = (sr * omega[1] + cr * omega[2]) / cp
@@ -57,7 +58,7 @@ def euler_rates(rpy: Vec, omega: Vec, min_cosine: float) -> Vec:
 @inner
 def body_acceleration(rpy: Vec, rates: Vec, accelerations: Vec) -> Vec:
     """N rpy'' + N' rpy' [rad/s2]; see ``rotations.rpy_rates``."""
-    cr, sr, cp, sp = cos(rpy[0]), sin(rpy[0]), cos(rpy[1]), sin(rpy[1])
+    (sr, cr), (sp, cp) = sincos(rpy[0]), sincos(rpy[1])
     dr, dp, dy = rates
     ddr, ddp, ddy = accelerations
     yaw_rate, yaw_acceleration = dy * cp, ddy * cp - dy * dp * sp

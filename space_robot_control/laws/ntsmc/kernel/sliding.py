@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
+from space_robot_msgs_py.kernel.elementary import power as power_of
 
 # Rows of what ``slide`` writes.
 S, DELTA, XI, EQUIVALENT, REACHING, LOOP_GAIN = range(6)
@@ -72,15 +73,15 @@ def slide(
     """
     norm_squared, xi_squared = 0.0, 0.0
     for i in range(e.shape[0]):
-        weight = abs(rate[i]) ** (rule.r - 1.0) / rule.gamma[i]
+        weight = power_of(abs(rate[i]), rule.r - 1.0) / rule.gamma[i]
         s = weight * rate[i] + e[i]
         delta = s - rule.layer if s > rule.layer else s + rule.layer if s < -rule.layer else 0.0
         out[S, i], out[DELTA, i], out[XI, i] = s, delta, weight * delta
         norm_squared += delta * delta
         xi_squared += out[XI, i] * out[XI, i]
-    along = rule.k1 * norm_squared**rule.half_norm_power / max(xi_squared, rule.layer)
+    along = rule.k1 * power_of(norm_squared, rule.half_norm_power) / max(xi_squared, rule.layer)
     for i in range(e.shape[0]):
-        root = abs(rate[i]) ** (rule.r - 1.0)
+        root = power_of(abs(rate[i]), rule.r - 1.0)
         out[EQUIVALENT, i] = _equivalent(rule, i, root, rate[i], e_dot[i])
         _reach(rule, i, root, rate[i], estimate[i] * (1.0 + speed_squared), along, out)
 
@@ -101,7 +102,7 @@ def _equivalent(rule: SlidingRule, i: int, root: float, v: float, e_dot: float) 
         return pull
     if rule.clamp:
         left = max(root - slope * power * rule.period, 0.0)
-        kept: float = left ** (1.0 / power)
+        kept: float = power_of(left, 1.0 / power)
         return (copysign(kept, v) - v) / rule.period
     return -slope * v / root if root > 0.0 else 0.0
 
@@ -111,7 +112,7 @@ def _reach(rule: SlidingRule, i: int, root: float, v: float, k: float, along: fl
     """a3, and the loop gain."""
     s, delta, slope = out[S, i], out[DELTA, i], rule.r / rule.gamma[i]
     size = abs(delta)
-    power = size**rule.reach
+    power = power_of(size, rule.reach)
     a3 = -(
         k * (copysign(1.0, s) if size > 0.0 else s / rule.layer)
         + along * out[XI, i]
@@ -119,7 +120,7 @@ def _reach(rule: SlidingRule, i: int, root: float, v: float, k: float, along: fl
     )
     if rule.clamp:
         push = abs(a3)
-        moved = rule.period * slope * push * (abs(v) + rule.period * push) ** (rule.r - 1.0)
+        moved = rule.period * slope * push * power_of(abs(v) + rule.period * push, rule.r - 1.0)
         if moved > abs(s):
             a3 *= abs(s) / moved
     steepness = k / rule.layer + rule.k2[i] * rule.reach * (power / size if size > rule.layer else rule.edge)

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from space_robot_control.kernel.answers import ANSWERED
-from space_robot_control.kernel.dense import solve
 from space_robot_control.kernel.gated_filter import FilterRule
 from space_robot_control.kernel.sensing import SensingMemory, SensingRule, sense, sensing_memory
 from space_robot_description.kernel.context import kind_of, loaded, stored
+from space_robot_description.kernel.dense import solve
 from space_robot_description.kernel.jit import kernel
 from space_robot_msgs_py.interfaces import Vector
 

@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
+from space_robot_control.kernel import matrices
+from space_robot_control.laws.lqr.kernel import riccati
+from space_robot_control.laws.lqr.kernel.design import DesignMemory
+from space_robot_control.laws.lqr.kernel.riccati import SOLVED, UNSOLVED, UNSTABLE, riccati_room, solve_riccati
 from space_robot_control.laws.lqr.law import Lqr
-from space_robot_control.laws.lqr.linear_model import make_design
 from space_robot_control.laws.lqr.reference import Lqr as OnOneScreen
-from space_robot_control.laws.lqr.riccati import solve_riccati
-from space_robot_control.nominal_model import NominalModel
 from space_robot_control.references import make_reference
+from space_robot_description.kernel import jit
+from space_robot_description.kernel.jit import kernel
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import ControlError
+from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 from tests.support.at_rest import IDS, ROBOTS
 from tests.support.closed_loop import closed_loop, off, random_pair
+
+
+@kernel
+def solved(a: Vector, b: Vector, room: Any, cost: Vector, gain: Vector, closed: Vector) -> int:
+    """``solve_riccati`` from Python."""
+    status: int = solve_riccati(a, b, room, cost, gain, closed)
+    return status
 
 
 def pair(robot: Robot, period: float, **gains: Any) -> tuple[Lqr, OnOneScreen]:
@@ -29,6 +42,13 @@ def pair(robot: Robot, period: float, **gains: Any) -> tuple[Lqr, OnOneScreen]:
     return law, OnOneScreen(
         robot.model, period, error=error, tau=g.time, effort=law._effort, step=g.posture_step, floating=floating
     )
+
+
+def design_at(robot: Robot, q: Vector, period: float, **gains: Any) -> DesignMemory:
+    """The regulator of a posture."""
+    law, still = pair(robot, period, **gains)[0], np.zeros(6 + robot.n)
+    law.update(RobotState(0, q, still, np.zeros(robot.n), np.zeros(3)), Reference(0, q, still, still))
+    return law.design
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=IDS)
@@ -63,8 +83,7 @@ def test_the_gain_solves_the_riccati_equation_as_scipy_does(robot: Robot) -> Non
     """X is that of ``scipy.linalg.solve_discrete_are`` to 1e-7 of its largest entry, from stiff to soft."""
     q = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *robot.home])
     for error, period in ((0.001, 1.0), (0.1, 0.25), (10.0, 0.1)):
-        law, _ = pair(robot, period, base_error=error, joint_error=error)
-        design = make_design(NominalModel(robot), q, period, law._accepted)
+        design = design_at(robot, q, period, base_error=error, joint_error=error)
         s, m = design.b.shape
         X = solve_discrete_are(design.a, design.b, np.identity(s), np.identity(m))
         np.testing.assert_allclose(design.cost, X, rtol=0.0, atol=1e-7 * np.abs(X).max())
@@ -75,15 +94,42 @@ def test_the_gain_solves_the_riccati_equation_as_scipy_does(robot: Robot) -> Non
 def test_the_sampled_loop_is_stable_at_both_ends_of_every_range(end: str, period: float) -> None:
     """Whatever ``space-robot tune`` may try, the poles of the nominal loop lie inside the unit circle."""
     robot = ROBOTS[1]
-    law, _ = pair(robot, period, **{name: getattr(one, end) for name, one in Lqr.gain_ranges.items()})
     q = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *robot.home])
-    assert make_design(NominalModel(robot), q, period, law._accepted).radius < 1.0
+    design = design_at(robot, q, period, **{name: getattr(one, end) for name, one in Lqr.gain_ranges.items()})
+    assert np.abs(np.linalg.eigvals(design.a - design.b @ design.gain)).max() < 1.0
 
 
-def test_a_mode_that_no_input_reaches_is_an_error() -> None:
-    """SciPy and others answer an integrator without an input with a gain of zero; here it is refused."""
-    with pytest.raises(ControlError, match=r"Riccati|stabilise"):
-        solve_riccati(np.array([[1.0, 0.0], [0.0, 0.5]]), np.array([[0.0], [1.0]]))
+@pytest.mark.parametrize("pole", [0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.5])
+def test_a_mode_that_no_input_reaches_is_an_error(pole: float) -> None:
+    """A gain is given where the loop with it is stable, and only there; SciPy answers zero for a pole of 1."""
+    a, b = np.array([[pole, 0.0], [0.0, 0.5]]), np.array([[0.0], [1.0]])
+    cost, gain, closed = np.zeros((2, 2)), np.zeros((1, 2)), np.zeros((2, 2))
+    status = solved(a, b, riccati_room(2, 1), cost, gain, closed)
+    assert status in ((SOLVED,) if pole < 1.0 else (UNSOLVED, UNSTABLE))
+
+
+def test_without_a_compiler_the_equation_is_solved_to_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The plain Python text, whose rows are summed by NumPy, has every bit of the compiled one."""
+    design = design_at(ROBOTS[1], np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *ROBOTS[1].home]), 0.25)
+    s, m = design.b.shape
+    monkeypatch.setattr(jit, "MACHINE_CODE", False)
+    monkeypatch.setattr(jit, "numba", None)
+    monkeypatch.setitem(sys.modules, matrices.__name__, loaded_again(matrices))
+    cost, gain, closed = np.zeros((s, s)), np.zeros((m, s)), np.zeros((s, s))
+    plain = loaded_again(riccati)
+    assert plain.solve_riccati(design.a, design.b, plain.riccati_room(s, m), cost, gain, closed) == SOLVED
+    for found, expected in ((cost, design.cost), (gain, design.gain), (closed, design.closed)):
+        assert found.tobytes() == expected.tobytes()
+
+
+def loaded_again(module: ModuleType) -> Any:
+    """The module made from its file once more, under a name that no one imports."""
+    spec = spec_from_file_location(f"plain_{module.__name__}", str(module.__file__))
+    assert spec is not None
+    assert spec.loader is not None
+    again = module_from_spec(spec)
+    spec.loader.exec_module(again)
+    return again
 
 
 def test_other_accepted_errors_act_from_the_next_update_on() -> None:

@@ -157,3 +157,39 @@ def _product(x: Vector, y: Vector) -> float:
     for k in range(x.shape[0]):
         total += x[k] * y[k]
     return total
+
+
+@kernel
+def diagonalise(a: Vector, vectors: Vector) -> None:
+    """Make a symmetric a (m, m) diagonal, a = V diag V^T: its eigenvalues, and V (m, m) of their vectors as columns.
+
+    Reference: Golub and Van Loan, "Matrix Computations", 2013, sec. 8.5 (cyclic Jacobi).
+    """
+    size = a.shape[0]
+    for i in range(size):
+        for j in range(size):
+            vectors[i, j] = 1.0 if i == j else 0.0
+    for _ in range(MAX_SWEEPS):
+        turned = False
+        for p in range(size):
+            for q in range(p + 1, size):
+                if abs(a[p, q]) > 0.1 * EPSILON * math.sqrt(abs(a[p, p] * a[q, q])) and a[p, q] != 0.0:
+                    _turn_axes(a, vectors, p, q)
+                    turned = True
+        if not turned:
+            return
+
+
+@inner
+def _turn_axes(a: Vector, vectors: Vector, p: int, q: int) -> None:
+    """Make a[p, q] zero by a turn in the plane of both."""
+    ratio = 0.5 * (a[q, q] - a[p, p]) / a[p, q]
+    tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
+    c = 1.0 / math.sqrt(1.0 + tangent * tangent)
+    s = tangent * c
+    for k in range(a.shape[0]):
+        a[k, p], a[k, q] = c * a[k, p] - s * a[k, q], s * a[k, p] + c * a[k, q]
+    for k in range(a.shape[0]):
+        a[p, k], a[q, k] = c * a[p, k] - s * a[q, k], s * a[p, k] + c * a[q, k]
+        vectors[k, p], vectors[k, q] = c * vectors[k, p] - s * vectors[k, q], s * vectors[k, p] + c * vectors[k, q]
+    a[p, q] = a[q, p] = 0.0

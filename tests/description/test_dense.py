@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from space_robot_control.kernel.dense import excess_of, factor, smallest_singular_value, solve
+from space_robot_description.kernel.dense import diagonalise, excess_of, factor, smallest_singular_value, solve
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -48,3 +48,15 @@ def test_numbers_that_are_not_finite_come_to_an_end() -> None:
     """No loop goes on for ever because nothing compares with NaN."""
     a = np.array([[np.nan, 1.0], [2.0, np.inf]])
     assert not np.isfinite(smallest_singular_value(a, np.zeros((2, 2))))
+
+
+def test_a_symmetric_matrix_is_made_diagonal() -> None:
+    """Eigenvalues to their last places, vectors at right angles, also of equal eigenvalues and of diagonal matrices."""
+    rng = np.random.default_rng(5)
+    root = rng.normal(size=(4, 4))
+    for a in (root @ root.T, root + root.T, np.diag([3.0, 1.0, 1.0, 2.0]), np.zeros((4, 4))):
+        left, vectors = np.array(a), np.empty((4, 4))
+        diagonalise(left, vectors)
+        np.testing.assert_allclose(np.sort(np.diag(left)), np.linalg.eigvalsh(a), rtol=1e-12, atol=1e-13)
+        np.testing.assert_allclose(vectors @ vectors.T, np.identity(4), atol=1e-14)
+        np.testing.assert_allclose(vectors * np.diag(left) @ vectors.T, a, atol=1e-13)

@@ -1,0 +1,1 @@
+"""The regulator in plain scalar code."""

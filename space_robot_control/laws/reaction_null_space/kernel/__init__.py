@@ -1,0 +1,1 @@
+"""The reaction null space in plain scalar code."""

@@ -1,0 +1,1 @@
+"""What compiled numbers are made of and the log needs too: elementary functions."""
