@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from space_robot_description.validation import parse_yaml, validate
 from space_robot_msgs_py.errors import SpecError
 from space_robot_msgs_py.events import ERROR, OK, WARN
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Supervision, Telemetry
+from space_robot_msgs_py.kernel.elementary import atan2
 from space_robot_supervisor.reader import Reader
 from space_robot_supervisor.supervisor import Supervisor
 from space_robot_supervisor.table import SupervisionTable
