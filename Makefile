@@ -4,7 +4,7 @@ PYTHON ?= $(shell for p in python3.12 python3.11 python3; do \
 VENV ?= .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
-# Two more than cores: one of them runs the group of the graph, which waits for most of its time, others wait for a fifth.
+# Two more than cores: one runs the group of the graph, which waits for most of its time. Not measured against one more.
 WORKERS ?= $(shell echo $$(( $$(nproc) + 2 )))
 # A sourced Jazzy brings its own rclpy; only elsewhere do the wheels come from the package index.
 ROS_EXTRA := $(if $(filter jazzy,$(ROS_DISTRO)),,ros,)
