@@ -13,6 +13,7 @@ from space_robot_msgs_py.codec.message_layouts import INERTIAL, tf_message
 from space_robot_msgs_py.codec.values import StateCodec
 from space_robot_msgs_py.errors import LayoutError
 from space_robot_msgs_py.interfaces import RobotState, Vector
+from space_robot_msgs_py.kernel.elementary import sincos
 from space_robot_msgs_py.mimic import Mimic
 from space_robot_msgs_py.topics import TF, TF_STATIC
 from space_robot_msgs_py.urdf_frames import FrameJoint, product, read_frames, rotated
@@ -73,8 +74,9 @@ class FrameTransforms:
         if self._ways is not None:
             half = self._ways[0] * half + self._ways[1]
         # A rotation about a fixed axis is linear in the cosine and the sine of its half angle.
-        places = np.cos(half) * cosine
-        places += np.sin(half) * sine
+        turns = np.array([sincos(one) for one in half.ravel().tolist()]).reshape(-1, 2)
+        places = turns[:, 1:] * cosine
+        places += turns[:, :1] * sine
         places += half * linear
         places += constant
         blocks = [stamp] * (2 + 2 * len(places))

@@ -7,10 +7,16 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import fields
+from pathlib import Path
+from typing import Any
 
+from space_robot_bringup.modes.headless import write_bag
 from space_robot_msgs_py.log.arrays import LogArrays
+from space_robot_msgs_py.log.reader import LogReader
 from tests.support.compiled_runs import TICKS, case, looped
 from tests.support.paths import ROOT
 
@@ -27,16 +33,23 @@ COMPILED = {"NUMBA_CPU_NAME": "nehalem", "NUMBA_CPU_FEATURES": ""}
 
 
 def digests(seeds: Sequence[int], ticks: int = TICKS) -> dict[str, str]:
-    """Of every array of the random runs of these seeds, see ``compiled_runs.case``."""
+    """Of every array and every topic of the random runs of these seeds, see ``compiled_runs.case``."""
     found = {}
     for seed in seeds:
         composition = case(seed, ticks)
-        arrays, name = looped(composition).arrays, f"{seed} {composition.experiment.controller.law}"
+        sink, name = looped(composition), f"{seed} {composition.experiment.controller.law}"
+        arrays = sink.arrays
         for field in fields(LogArrays):
             value = getattr(arrays, field.name)
             for label, array in value.items() if isinstance(value, dict) else (("", value),):
                 if array is not None:
                     found[f"{name} {field.name} {label}"] = hashlib.sha256(array.tobytes()).hexdigest()
+        with tempfile.TemporaryDirectory() as scratch:
+            write_bag(sink, composition, Path(scratch) / "run")
+            topics: defaultdict[str, Any] = defaultdict(hashlib.sha256)
+            for topic, _, data in LogReader(Path(scratch) / "run").messages():
+                topics[topic].update(data)
+        found |= {f"{name} {topic}": digest.hexdigest() for topic, digest in topics.items()}
     return found
 
 
