@@ -9,7 +9,8 @@ from space_robot_bringup.compose.supervision import KEY
 from space_robot_bringup.experiment.experiment import Experiment
 from space_robot_control.command_delay import CommandDelay
 from space_robot_control.laws.base import Inbox, Law
-from space_robot_control.laws.switching import ACTIVE, HANDOVER, Switching
+from space_robot_control.laws.common_layout import ACTIVE, HANDOVER
+from space_robot_control.laws.switching import Switching
 from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_control.wheel_momentum import WheelMomentum
 from space_robot_description.actuation import command_limit

@@ -10,8 +10,9 @@ from rclpy.duration import Duration
 from std_srvs.srv import Trigger
 
 from space_robot_control.laws.base import Law
+from space_robot_control.laws.common_layout import ACTIVE
 from space_robot_control.laws.guarded import guarded_update
-from space_robot_control.laws.switching import ACTIVE, Switching
+from space_robot_control.laws.switching import Switching
 from space_robot_control.nodes.health import ControllerHealth
 from space_robot_description.validation import parse_yaml_value
 from space_robot_msgs_py.codec.codecs import CommandCodec, SupervisionCodec, TelemetryCodec, encode_events

@@ -9,8 +9,8 @@ from typing import Any, cast
 from std_srvs.srv import Trigger
 
 from space_robot_control.laws.base import Law
+from space_robot_control.laws.common_layout import ACTIVE
 from space_robot_control.laws.recorded_events import apply_event
-from space_robot_control.laws.switching import ACTIVE
 from space_robot_control.nodes.controller import ControllerNode
 from space_robot_msgs_py.codec.accepted import CONTROLLERS
 from space_robot_msgs_py.codec.codecs import Accepted, AcceptedCodec
