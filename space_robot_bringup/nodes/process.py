@@ -98,12 +98,10 @@ def _run(options: Namespace, ros: list[str], stop: RunStop, tether: ChildEnd) ->
         trusted = options.tether is not None and options.role not in WITH_LAW
         composition = composed(start, given, _without_law if trusted else compose)
         if options.role == "recorder":
-            # It runs no user code, and what it has begun to write is closed in order.
+            # It runs no user code, and what it has begun to write is closed in order, from its first byte on.
             stop.ending()
-        node = _node(options, start, composition, context)
-        if isinstance(node, RecorderNode):
-            # From now on there is a log to be closed.
             tether.grace = CLOSING_SECONDS
+        node = _node(options, start, composition, context)
         patience = start.patience if start.autostart and start.patience else inf
         watches = [Patience(node, BASE_ODOM, patience).look] if options.role != "simulator" else []
         if options.tether is None:

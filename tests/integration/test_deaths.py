@@ -31,6 +31,12 @@ def test_nothing_outlives_a_parent_that_is_killed(tmp_path: Path) -> None:
     assert faults(kill_one(Kill(PARENT, tmp_path / "run", alone=True)), None, NO_HURRY) == []
 
 
+def test_a_recorder_that_hardly_gets_to_run_closes_its_log(tmp_path: Path) -> None:
+    """Also one that was being made when its parent was killed: no temporary file stays, and the log has the reason."""
+    kill = Kill(PARENT, tmp_path / "run", alone=True, starved=True)
+    assert faults(kill_one(kill), None, NO_HURRY) == []
+
+
 def test_a_state_is_published_only_when_the_tick_before_is_logged(tmp_path: Path) -> None:
     """In processes of their own, state k comes when tick k - 1 is in the log: that is what a dead recorder can lose."""
     with running_graph(tmp_path / "run", "duration=10.0", services=True) as robot:
