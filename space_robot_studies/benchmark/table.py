@@ -25,6 +25,8 @@ ARRIVING = ("step", "quintic", "waypoints", "end_effector")
 KEPT = ("objective", "end_reason", "excess", *METRICS)
 MAX_BYTES = 100_000_000
 SIDES = ("shipped", "tuned")
+# Of every number of a draw: more would tell laws apart by their rounding errors, in all draws alike.
+DIGITS = 7
 FORM = ("law", "task", "point", "settles", "overfitted", "shipped", "tuned")
 
 
@@ -155,7 +157,11 @@ def _ranges(stand: StandResult) -> dict[str, Any]:
 
 
 def _draws(one: Evaluation) -> list[dict[str, Any]]:
-    return [{name: draw.get(name) for name in KEPT} for draw in one.draws]
+    return [{name: _kept(draw.get(name)) for name in KEPT} for draw in one.draws]
+
+
+def _kept(value: Any) -> Any:
+    return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
 def _digest(law: str) -> str | None:

@@ -76,6 +76,14 @@ def test_a_point_alone_gives_the_rows_of_the_whole(judged: tuple[Path, Benchmark
     assert len(whole.table.rows) == 4
 
 
+def test_numbers_that_differ_by_rounding_are_equal_in_a_table(judged: tuple[Path, BenchmarkResult]) -> None:
+    """Seven digits of each: laws that do the same would else be told apart, in all draws alike."""
+    rows = judged[1].table.rows
+    numbers = [draw["objective"] for row in rows for side in ("shipped", "tuned") for draw in row[side]]
+    assert len(set(numbers)) > len(rows)
+    assert numbers == [float(f"{one:.7g}") for one in numbers]
+
+
 def test_a_custom_law_is_entered_in_the_table_of_the_others(
     judged: tuple[Path, BenchmarkResult], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
