@@ -1,7 +1,7 @@
 """Results of a shipped benchmark on pages: ``python -m space_robot_studies.benchmark.docs FILE ...``.
 
-A page has ``<!-- results of NAME -->``, or ``in brief``, ``at a glance`` or ``by knowledge`` behind the name, and
-``<!-- end -->`` where they end.
+A page has ``<!-- results of NAME -->``, or ``in brief``, ``in short``, ``at a glance`` or ``by knowledge`` behind the
+name, and ``<!-- end -->`` where they end.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from space_robot_msgs_py.atomic_file import write_atomically
+from space_robot_studies.benchmark.digest import digest_of
 from space_robot_studies.benchmark.knowledge import knowledge_of
 from space_robot_studies.benchmark.overview import overview_of
 from space_robot_studies.benchmark.page import brief_of, page_of
@@ -24,9 +25,13 @@ MARKED = re.compile(r"(<!-- results of (\S+?)(?: ([a-z ]+))? -->\n).*?(<!-- end 
 FORMS: dict[str | None, Callable[[Table, Mapping[str, str]], str]] = {
     None: page_of,
     "in brief": brief_of,
+    "in short": digest_of,
     "at a glance": overview_of,
     "by knowledge": knowledge_of,
 }
+
+# What speaks of all points says how many of them are measured.
+WHOLE = ("in short", "at a glance")
 
 
 def filled(text: str) -> str:
@@ -41,7 +46,7 @@ def filled(text: str) -> str:
         table = read_table(benchmark_path(found[2]).with_suffix(".json"), benchmark)
         titles = {name: task.title for name, task in benchmark.tasks.items()}
         said = FORMS[found[3]](table, titles)
-        head = f"{measured(table, benchmark)}\n\n" if found[3] == "at a glance" else ""
+        head = f"{measured(table, benchmark)}\n\n" if found[3] in WHOLE else ""
         return f"{found[1]}\n{head}{said}\n{found[4]}"
 
     return MARKED.sub(results, text)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
-from space_robot_msgs_py.interfaces import Vector
 from space_robot_studies.benchmark.page import Row
 from space_robot_studies.benchmark.ranking import Difference, Standing, compared, differences
 from space_robot_studies.benchmark.table import Table
@@ -42,30 +41,36 @@ def knowledge_of(table: Table, titles: Mapping[str, str]) -> str:
     return "\n\n".join([KNOWLEDGE, *parts] if parts else [NOTHING]) + "\n"
 
 
-def _compared(table: Table, key: str) -> Iterator[tuple[str, str, str, dict[str, Difference]]]:
-    """Task, what else is varied in words, period, and law to what not knowing it costs."""
+def known_pairs(table: Table, key: str) -> Iterator[dict[str, tuple[Row, Row]]]:
+    """Of each point where something is not known: law to its row there, and its row where that alone is known.
+
+    Args:
+        table: rows under the same rules.
+        key: of what may be known.
+    """
     known = {_place(row, key): row for row in table.rows if row["point"].get(key) != UNKNOWN}
     points: dict[tuple[str, str], list[Row]] = {}
     for row in table.rows:
         if row["point"].get(key) == UNKNOWN:
             points.setdefault(_place(row, key)[:2], []).append(row)
-    for (task, text), rows in sorted(points.items()):
-        pairs = _pairs(rows, known, key)
+    for _, rows in sorted(points.items()):
+        yield {row["law"]: (row, known[place]) for row in rows if (place := _place(row, key)) in known}
+
+
+def _compared(table: Table, key: str) -> Iterator[tuple[str, str, str, dict[str, Difference]]]:
+    """Task, what else is varied in words, period, and law to what not knowing it costs."""
+    for both in known_pairs(table, key):
+        pairs = {law: off for law, rows in both.items() if (off := differences(*_standings(rows))) is not None}
         if pairs:
-            point = json.loads(text)
+            row, _ = next(iter(both.values()))
+            point = {name: label for name, label in row["point"].items() if name != key}
             period = str(point.pop(PERIOD, ""))
-            yield task, words(point), period, compared(pairs)
+            yield row["task"], words(point), period, compared(pairs)
 
 
-def _pairs(rows: Sequence[Row], known: Mapping[tuple[str, str, str], Row], key: str) -> dict[str, Vector]:
-    found = {}
-    for row in rows:
-        other = known.get(_place(row, key))
-        if other is not None:
-            sides = (Standing.of(one["law"], one["tuned"]) for one in (row, other))
-            if (pairs := differences(*sides)) is not None:
-                found[row["law"]] = pairs
-    return found
+def _standings(rows: tuple[Row, Row]) -> tuple[Standing, Standing]:
+    without, known = (Standing.of(row["law"], row["tuned"]) for row in rows)
+    return without, known
 
 
 def _place(row: Row, key: str) -> tuple[str, str, str]:

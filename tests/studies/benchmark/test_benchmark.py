@@ -14,6 +14,7 @@ pytest.importorskip("scipy")
 from space_robot_bringup.experiment.readable import dump_yaml
 from space_robot_cli.main import main
 from space_robot_msgs_py.errors import SpecError
+from space_robot_studies.benchmark.digest import digest_of
 from space_robot_studies.benchmark.knowledge import NOTHING, knowledge_of
 from space_robot_studies.benchmark.overview import overview_of
 from space_robot_studies.benchmark.page import page_of
@@ -161,6 +162,33 @@ def test_what_knowledge_is_worth_is_said_only_where_it_is_separated() -> None:
     assert a.startswith("**0.3")
     assert b.startswith("0.0005 [-")
     assert c == ""
+
+
+def test_a_digest_counts_what_is_separated_and_what_has_no_rank() -> None:
+    """Medians over points by period and over all; what ended at a point has no ratio there."""
+    base = np.linspace(1.0, 2.0, 20)
+    near = base + np.where(np.arange(20) % 2, 0.011, -0.01)
+    worse = {0.1: 2.0, 0.5: 4.0}
+    rows = []
+    for label in LABELS:
+        for period, factor in worse.items():
+            point = {"control_period": period, "load": label}
+            third = np.append(base[:19], None) if label == "unknown" else 3 * base
+            objectives = {"a": base, "b": near if label == "known" else factor * base, "c": third}
+            rows += [row(law, found, **point) for law, found in objectives.items()]
+    lines = [
+        [cell.strip() for cell in line.split("|")[2:-1]]
+        for line in digest_of(Table({}, tuple(rows)), {}).splitlines()
+        if line.startswith("| `")
+    ]
+    by_period, by_task, knowledge = lines[:3], lines[3:6], lines[6:]
+    assert by_period == [
+        ["1 (2/2)", "1 (2/2)", "1 (4/4)", "0"],
+        ["1.5 (1/2)", "2.5 (1/2)", "1.5 (2/4)", "0"],
+        ["3 (0/2)", "3 (0/2)", "3 (0/4)", "2"],
+    ]
+    assert by_task == [["1"], ["1.5"], ["3"]]
+    assert knowledge == [["1 (0 and 0 of 2)"], ["3 (2 and 0 of 2)"], ["-"]]
 
 
 def test_only_what_pairs_separate_is_said() -> None:

@@ -1,0 +1,131 @@
+"""What a whole table comes to: medians over points, by period, by task, and of what knowledge is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from statistics import median
+from typing import NamedTuple
+
+from space_robot_studies.benchmark.knowledge import UNKNOWN, known_pairs
+from space_robot_studies.benchmark.page import points_of, standings
+from space_robot_studies.benchmark.ranking import Standing, compared, differences, rank
+from space_robot_studies.benchmark.table import Table
+from space_robot_studies.compare.comparison import PERIOD
+from space_robot_studies.compare.tables import markdown_table, words
+
+BY_PERIOD = (
+    "Per law and control period the median, over all points, of its mean objective over that of the best law of the "
+    "point; in brackets the points where it is not separated from the best one, of all that it was tuned at. No rank: "
+    "points with a held-out draw that did not complete or misses a constraint; they do not enter medians."
+)
+BY_TASK = "The same by task, over all periods."
+OF_KNOWLEDGE = (
+    "Per law the median, over points, of the mean objective without over that with the knowledge; in brackets the "
+    "points where the law is separated for the worse and for the better without it, of those that can be compared."
+)
+
+
+class Place(NamedTuple):
+    """A law at a point; ``ratio`` to the best one is None where it has no rank."""
+
+    law: str
+    task: str
+    period: str
+    ratio: float | None
+    first: bool
+
+
+@dataclass
+class Worth:
+    """What a law makes of knowledge: its ratios without over with it, and how many are separated each way."""
+
+    ratios: list[float] = field(default_factory=list)
+    worse: int = 0
+    better: int = 0
+
+
+def digest_of(table: Table, titles: Mapping[str, str]) -> str:
+    """Three tables with a line per law.
+
+    Args:
+        table: rows under the same rules.
+        titles: task to its title.
+    """
+    places = list(_places(table))
+    laws = list(dict.fromkeys(place.law for place in places))
+    periods = sorted({place.period for place in places}, key=float)
+    tasks = list(dict.fromkeys(place.task for place in places))
+    heads = ["law", *(f"{period} s" for period in periods), "all", "no rank"]
+    lines = []
+    for law in laws:
+        own = [place for place in places if place.law == law]
+        groups = ([place for place in own if place.period == period] for period in periods)
+        unranked = sum(place.ratio is None for place in own)
+        lines.append([f"`{law}`", *map(_counted, groups), _counted(own), str(unranked)])
+    by_task = [
+        [f"`{law}`", *(_middle([p for p in places if (p.law, p.task) == (law, task)]) for task in tasks)]
+        for law in laws
+    ]
+    named = ["law", *(titles.get(task) or task for task in tasks)]
+    parts = [BY_PERIOD, markdown_table(heads, lines), BY_TASK, markdown_table(named, by_task), *_knowledge(table, laws)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _places(table: Table) -> Iterator[Place]:
+    for task in dict.fromkeys(row["task"] for row in table.rows):
+        for rows in points_of(table, task):
+            stands = standings(rows)
+            ranking = rank(stands)
+            means = {one.law: _mean(one) for one in stands if one.whole}
+            period = str(rows[0]["point"].get(PERIOD, ""))
+            for one in stands:
+                ratio = means[one.law] / means[ranking.best] if ranking.best is not None and one.law in means else None
+                yield Place(one.law, task, period, ratio, one.law in (ranking.best, *ranking.equal))
+
+
+def _mean(one: Standing) -> float:
+    found = one.mean("objective")
+    assert found is not None
+    return float(found.value)
+
+
+def _middle(places: Sequence[Place]) -> str:
+    ratios = [place.ratio for place in places if place.ratio is not None]
+    return f"{median(ratios):.3g}" if ratios else "-"
+
+
+def _counted(places: Sequence[Place]) -> str:
+    return f"{_middle(places)} ({sum(place.first for place in places)}/{len(places)})"
+
+
+def _knowledge(table: Table, laws: Sequence[str]) -> Iterator[str]:
+    keys = dict.fromkeys(key for row in table.rows for key, label in row["point"].items() if label == UNKNOWN)
+    worth = {key: _worth(table, key) for key in keys}
+    worth = {key: found for key, found in worth.items() if found}
+    if worth:
+        yield OF_KNOWLEDGE
+        heads = ["law", *(words({key: UNKNOWN}) for key in worth)]
+        yield markdown_table(
+            heads, [[f"`{law}`", *(_said(found.get(law)) for found in worth.values())] for law in laws]
+        )
+
+
+def _worth(table: Table, key: str) -> dict[str, Worth]:
+    found: dict[str, Worth] = {}
+    for pairs in known_pairs(table, key):
+        stands = {law: tuple(Standing.of(law, one["tuned"]) for one in both) for law, both in pairs.items()}
+        compare = {law: off for law, both in stands.items() if (off := differences(*both)) is not None}
+        for law, difference in compared(compare).items():
+            without, known = stands[law]
+            worth = found.setdefault(law, Worth())
+            worth.ratios.append(_mean(without) / _mean(known))
+            worth.worse += difference.apart and difference.mean.value > 0.0
+            worth.better += difference.apart and difference.mean.value < 0.0
+    return found
+
+
+def _said(worth: Worth | None) -> str:
+    if worth is None:
+        return "-"
+    return f"{median(worth.ratios):.3g} ({worth.worse} and {worth.better} of {len(worth.ratios)})"
