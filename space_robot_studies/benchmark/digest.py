@@ -53,23 +53,31 @@ def digest_of(table: Table, titles: Mapping[str, str]) -> str:
         titles: task to its title.
     """
     places = list(_places(table))
-    laws = list(dict.fromkeys(place.law for place in places))
+    laws, tasks = (list(dict.fromkeys(names)) for names in zip(*((one.law, one.task) for one in places), strict=True))
+    lines = []
+    for law in laws:
+        groups = ([place for place in places if (place.law, place.task) == (law, task)] for task in tasks)
+        lines.append([f"`{law}`", *map(_middle, groups)])
+    by_task = markdown_table(["law", *(titles.get(task) or task for task in tasks)], lines)
+    return "\n\n".join([_by_period(places), BY_TASK, by_task, *_knowledge(table, laws)]) + "\n"
+
+
+def brief_of(table: Table, titles: Mapping[str, str]) -> str:
+    """The first of the tables; see ``digest_of``."""
+    return f"{_by_period(list(_places(table)))}\n"
+
+
+def _by_period(places: Sequence[Place]) -> str:
+    laws = dict.fromkeys(place.law for place in places)
     periods = sorted({place.period for place in places}, key=float)
-    tasks = list(dict.fromkeys(place.task for place in places))
-    heads = ["law", *(f"{period} s" for period in periods), "all", "no rank"]
     lines = []
     for law in laws:
         own = [place for place in places if place.law == law]
         groups = ([place for place in own if place.period == period] for period in periods)
         unranked = sum(place.ratio is None for place in own)
         lines.append([f"`{law}`", *map(_counted, groups), _counted(own), str(unranked)])
-    by_task = [
-        [f"`{law}`", *(_middle([p for p in places if (p.law, p.task) == (law, task)]) for task in tasks)]
-        for law in laws
-    ]
-    named = ["law", *(titles.get(task) or task for task in tasks)]
-    parts = [BY_PERIOD, markdown_table(heads, lines), BY_TASK, markdown_table(named, by_task), *_knowledge(table, laws)]
-    return "\n\n".join(parts) + "\n"
+    heads = ["law", *(f"{period} s" for period in periods), "all", "no rank"]
+    return f"{BY_PERIOD}\n\n{markdown_table(heads, lines)}"
 
 
 def _places(table: Table) -> Iterator[Place]:

@@ -13,10 +13,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from space_robot_msgs_py.atomic_file import write_atomically
-from space_robot_studies.benchmark.digest import digest_of
+from space_robot_studies.benchmark.digest import brief_of, digest_of
 from space_robot_studies.benchmark.knowledge import knowledge_of
 from space_robot_studies.benchmark.overview import overview_of
-from space_robot_studies.benchmark.page import brief_of, page_of
+from space_robot_studies.benchmark.page import page_of
 from space_robot_studies.benchmark.spec import Benchmark, benchmark_path, load_benchmark
 from space_robot_studies.benchmark.table import Table, read_table
 from space_robot_studies.campaign.variation import count_points
@@ -31,7 +31,7 @@ FORMS: dict[str | None, Callable[[Table, Mapping[str, str]], str]] = {
 }
 
 # What speaks of all points says how many of them are measured.
-WHOLE = ("in short", "at a glance")
+WHOLE = ("in brief", "in short", "at a glance")
 
 
 def filled(text: str) -> str:

@@ -55,25 +55,6 @@ HEADINGS = (
 )
 
 
-def brief_of(table: Table, titles: Mapping[str, str]) -> str:
-    """The point that was entered first in a few columns.
-
-    Args:
-        table: rows under the same rules.
-        titles: task to its title.
-    """
-    task, point = table.rows[0]["task"], table.rows[0]["point"]
-    rows = next(rows for rows in points_of(table, task) if rows[0]["point"] == point)
-    where = ", ".join(part for part in (titles[rows[0]["task"]], words(rows[0]["point"])) if part)
-    heads = ("law", "settled as shipped", "settled tuned", "joint error, shipped [deg]", "joint error, tuned [deg]")
-    cells = [[*cells_of([row])[0][:1], *cells_of([row])[0][3:5], *_errors(row)] for row in rows]
-    return f"{where}; {len(rows[0]['tuned'])} held-out draws:\n\n{markdown_table(heads, cells)}\n"
-
-
-def _errors(row: Row) -> list[str]:
-    return [_number(Standing.of(row["law"], row[name]).mean("joint_error")) for name in ("shipped", "tuned")]
-
-
 def points_of(table: Table, task: str) -> list[list[Row]]:
     """The rows of a task, point by point, in the order of their labels."""
     found: dict[str, list[Row]] = {}
