@@ -17,7 +17,8 @@ from space_robot_msgs_py.extras import install
 from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.products import times
 
-EXACT, MAX_ITERATIONS = 1e-9, 100
+# Tried in turn: weights that are far apart leave a problem whose gradient has no nine digits.
+EXACT, MAX_ITERATIONS = (1e-9, 1e-7), 100
 # How far beyond a bound of size 1 an answer may lie; what is left is cut off.
 SLACK = 1e-6
 
@@ -51,7 +52,7 @@ def solve(
         max_iterations: after which it gives up.
 
     Returns:
-        z (k,) within the box, and the number of iterations.
+        z (k,) within the box, and the number of iterations, of all tries.
 
     Raises:
         ControlError: bounds are crossed, a number is not finite, or the solver did not converge.
@@ -64,16 +65,21 @@ def solve(
             raise ControlError("bounds are crossed", key="mpc", value=(float(low[at]), float(high[at])))
     if not (np.isfinite(slope).all() and np.isfinite(hessian).all()):
         raise ControlError("the quadratic program is not finite", key="mpc")
-    solver = piqp.DenseSolver()
-    solver.settings.eps_abs = solver.settings.eps_rel = EXACT
-    solver.settings.max_iter, solver.settings.compute_timings = max_iterations, False
     more: dict[str, Any] = {"G": np.asfortranarray(rows), "h_l": slab[0], "h_u": slab[1]} if rows.size else {}
-    solver.setup(np.asfortranarray(hessian), slope, x_l=box[0], x_u=box[1], **more)
-    status = solver.solve()
+    iterations = 0
+    for exact in EXACT:
+        solver = piqp.DenseSolver()
+        solver.settings.eps_abs = solver.settings.eps_rel = exact
+        solver.settings.max_iter, solver.settings.compute_timings = max_iterations, False
+        solver.setup(np.asfortranarray(hessian), slope, x_l=box[0], x_u=box[1], **more)
+        status = solver.solve()
+        iterations += int(solver.result.info.iter)
+        if status != piqp.PIQP_MAX_ITER_REACHED:
+            break
     if status != piqp.PIQP_SOLVED:
         raise ControlError("the solver did not converge", key="mpc", value=status.name, accepted="PIQP_SOLVED")
     z = np.array(solver.result.x)
-    return _within(z, box, times(rows, z), slab), int(solver.result.info.iter)
+    return _within(z, box, times(rows, z), slab), iterations
 
 
 def _within(z: Vector, box: tuple[Vector, Vector], product: Vector, slab: tuple[Vector, Vector]) -> Vector:

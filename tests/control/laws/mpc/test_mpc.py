@@ -14,6 +14,8 @@ from space_robot_control.laws.mpc.law import LinearMpc
 from space_robot_control.laws.mpc.reference import Mpc
 from space_robot_control.laws.mpc.solver import solve
 from space_robot_control.references import make_reference
+from space_robot_description.actuation import command_limit
+from space_robot_description.load import load_robot
 from space_robot_description.robot import Robot
 from space_robot_msgs_py.errors import ControlError, SpecError
 from space_robot_msgs_py.interfaces import Reference, RobotState
@@ -44,6 +46,22 @@ def test_it_is_lqr_where_no_limit_is_met(robot: Robot, horizon: int) -> None:
     regulator = Lqr(robot, 0.25, Lqr.Gains(base_error=0.5, joint_error=0.5)).update(state, desired)
     assert off(output.command.u, regulator.command.u) < 1e-9
     assert output.telemetry["limited"][0] == 0.0
+
+
+def test_weights_that_are_far_apart_are_no_reason_to_give_up() -> None:
+    """Gains of a search, whose problem has a condition of 1e12: every base rate has an answer within the limits."""
+    robot, rng = load_robot("servicer"), np.random.default_rng(0)
+    gains = LinearMpc.Gains(base_error=0.022019233383415687, joint_error=0.0037606313322259364, time=5.961389704037108)
+    q, still = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, *robot.home]), np.zeros(6 + robot.n)
+    limited, most = 0, command_limit(robot)
+    for _ in range(20):
+        rate = rng.normal(size=3)
+        v = np.concatenate([np.zeros(3), rate * (rng.uniform(0.005, 0.015) / np.linalg.norm(rate)), np.zeros(robot.n)])
+        state = RobotState(0, q, v, np.zeros(robot.n), np.zeros(3))
+        output = LinearMpc(robot, 0.1, gains).update(state, Reference(0, q, still, still))
+        assert (np.abs(output.command.u) <= most * (1.0 + 1e-6)).all()
+        limited += int(output.telemetry["limited"][0])
+    assert limited > 10
 
 
 @pytest.mark.parametrize("robot", ROBOTS[:2], ids=IDS[:2])
