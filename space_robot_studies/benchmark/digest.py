@@ -17,7 +17,9 @@ from space_robot_studies.compare.tables import markdown_table, words
 BY_PERIOD = (
     "Per law and control period the median, over all points, of its mean objective over that of the best law of the "
     "point; in brackets the points where it is not separated from the best one, of all that it was tuned at. No rank: "
-    "points with a held-out draw that did not complete or misses a constraint; they do not enter medians."
+    "points with a held-out draw that did not complete or misses a constraint; they do not enter medians. Gained: the "
+    "median of the objective with the gains it is given over that with those of the search. At an edge: points whose "
+    "best gains lie at the end of a range."
 )
 BY_TASK = "The same by task, over all periods."
 OF_KNOWLEDGE = (
@@ -27,13 +29,15 @@ OF_KNOWLEDGE = (
 
 
 class Place(NamedTuple):
-    """A law at a point; ``ratio`` to the best one is None where it has no rank."""
+    """A law at a point: ``ratio`` to the best one and ``gained`` are None where it has no rank."""
 
     law: str
     task: str
     period: str
     ratio: float | None
     first: bool
+    gained: float | None
+    edge: bool
 
 
 @dataclass
@@ -74,9 +78,11 @@ def _by_period(places: Sequence[Place]) -> str:
     for law in laws:
         own = [place for place in places if place.law == law]
         groups = ([place for place in own if place.period == period] for period in periods)
-        unranked = sum(place.ratio is None for place in own)
-        lines.append([f"`{law}`", *map(_counted, groups), _counted(own), str(unranked)])
-    heads = ["law", *(f"{period} s" for period in periods), "all", "no rank"]
+        counts = (sum(flags) for flags in ([place.ratio is None for place in own], [place.edge for place in own]))
+        unranked, edge = map(str, counts)
+        gained = _median([place.gained for place in own])
+        lines.append([f"`{law}`", *map(_counted, groups), _counted(own), unranked, gained, edge])
+    heads = ["law", *(f"{period} s" for period in periods), "all", "no rank", "gained", "at an edge"]
     return f"{BY_PERIOD}\n\n{markdown_table(heads, lines)}"
 
 
@@ -86,10 +92,13 @@ def _places(table: Table) -> Iterator[Place]:
             stands = standings(rows)
             ranking = rank(stands)
             means = {one.law: _mean(one) for one in stands if one.whole}
-            period = str(rows[0]["point"].get(PERIOD, ""))
-            for one in stands:
-                ratio = means[one.law] / means[ranking.best] if ranking.best is not None and one.law in means else None
-                yield Place(one.law, task, period, ratio, one.law in (ranking.best, *ranking.equal))
+            best, first = means.get(ranking.best or ""), (ranking.best, *ranking.equal)
+            for row, law in zip(rows, (one.law for one in stands), strict=True):
+                given, mean = Standing.of(law, row["shipped"]), means.get(law)
+                gained = None if mean is None or not given.whole else _mean(given) / mean
+                ratio = None if mean is None or best is None else mean / best
+                period = str(row["point"].get(PERIOD, ""))
+                yield Place(law, task, period, ratio, law in first, gained, bool(row["edge"]))
 
 
 def _mean(one: Standing) -> float:
@@ -99,8 +108,12 @@ def _mean(one: Standing) -> float:
 
 
 def _middle(places: Sequence[Place]) -> str:
-    ratios = [place.ratio for place in places if place.ratio is not None]
-    return f"{median(ratios):.3g}" if ratios else "-"
+    return _median([place.ratio for place in places])
+
+
+def _median(values: Sequence[float | None]) -> str:
+    known = [value for value in values if value is not None]
+    return f"{median(known):.3g}" if known else "-"
 
 
 def _counted(places: Sequence[Place]) -> str:

@@ -12,7 +12,7 @@ from space_robot_studies.benchmark.spec import load_benchmark
 from space_robot_studies.benchmark.table import read_table
 from tests.support.paths import ROOT
 
-PAGES = ["README.md", "docs/compare.md", "docs/compare-points.md"]
+PAGES = ["README.md", "docs/compare.md", "docs/compare-glance.md", "docs/compare-points.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)

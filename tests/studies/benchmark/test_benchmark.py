@@ -139,7 +139,8 @@ def test_a_further_axis_keeps_what_is_known(judged: tuple[Path, BenchmarkResult]
 def row(law: str, objectives: Any, **point: Any) -> dict[str, Any]:
     """A row with these objectives."""
     draws = [{"objective": v, "excess": None if v is None else 0.0} for v in np.asarray(objectives).tolist()]
-    return {"law": law, "task": "move", "point": point, "tuned": draws}
+    given = [draw | {"objective": None if draw["objective"] is None else 2.0 * draw["objective"]} for draw in draws]
+    return {"law": law, "task": "move", "point": point, "tuned": draws, "shipped": given, "edge": ["k"] * (law == "b")}
 
 
 def test_at_a_glance_no_law_is_before_another_that_is_not_separated() -> None:
@@ -183,9 +184,9 @@ def test_a_digest_counts_what_is_separated_and_what_has_no_rank() -> None:
     ]
     by_period, by_task, knowledge = lines[:3], lines[3:6], lines[6:]
     assert by_period == [
-        ["1 (2/2)", "1 (2/2)", "1 (4/4)", "0"],
-        ["1.5 (1/2)", "2.5 (1/2)", "1.5 (2/4)", "0"],
-        ["3 (0/2)", "3 (0/2)", "3 (0/4)", "2"],
+        ["1 (2/2)", "1 (2/2)", "1 (4/4)", "0", "2", "0"],
+        ["1.5 (1/2)", "2.5 (1/2)", "1.5 (2/4)", "0", "2", "4"],
+        ["3 (0/2)", "3 (0/2)", "3 (0/4)", "2", "2", "0"],
     ]
     assert by_task == [["1"], ["1.5"], ["3"]]
     assert knowledge == [["1 (0 and 0 of 2)"], ["3 (2 and 0 of 2)"], ["-"]]
