@@ -29,7 +29,7 @@ class Graph:
 
     Attributes:
         port: of the simulator.
-        answers: how often it was told of an answer.
+        answers: how often it was called for an answer.
         warnings: what was logged.
         accepted: what was published of commands.
         failures: what ended the run.
@@ -110,7 +110,7 @@ def effort_of(command: Command | None) -> float | None:
 
 
 def test_the_first_valid_answer_to_the_state_that_waits_counts() -> None:
-    """It is told of once; the same again is counted as repeated, another one is late, and neither acts."""
+    """The plant is called once; the same again is counted as repeated, another one is late, and neither acts."""
     graph = Graph()
     graph.hear(0, 1.0, only=[WRENCH])
     assert (graph.answers, graph.port.answered, graph.port.take()) == (0, False, None)
@@ -274,7 +274,7 @@ def test_of_late_answers_the_newest_acts_once() -> None:
     assert effort_of(graph.port.take_newest()) == 3.0
     assert (graph.port.counts["missed"], graph.answers) == (3, 1)
     assert graph.warnings == []
-    # Every period that was over without its command is told of.
+    # Every period that was over without its command is published.
     assert [one.stamp for one in graph.accepted if one.command is None] == [0, 200, 200]
 
 
