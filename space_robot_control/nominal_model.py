@@ -18,6 +18,12 @@ from space_robot_msgs_py.interfaces import Vector
 from space_robot_msgs_py.kernel.products import times
 
 
+def not_finite(acceleration: Vector) -> ControlError:
+    """What is said where the nominal model has no finite force for the acceleration a (6+n,) that a law asks for."""
+    message = "inverse dynamics of the nominal model is not finite"
+    return ControlError(message, key="a", value=acceleration.tolist())
+
+
 class NominalModel:
     """M(q) a + c(q, v) = u in the coordinates of ``interfaces.py``; owns its work space.
 
@@ -115,7 +121,7 @@ class NominalModel:
         q, v, a = (np.ascontiguousarray(part, dtype=np.float64) for part in (q, v, a))
         self._inverse_dynamics(self.arrays, q, v, a, self._work, u)
         if not isfinite(u.sum()):
-            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=a.tolist())
+            raise not_finite(a)
         return u
 
     def free_floating_acceleration(self, q: Vector, v: Vector, a: Vector) -> Vector:

@@ -78,9 +78,9 @@ def smallest_singular_value(a: Vector, work: Vector) -> float:
     Reference: Demmel and Veselic, "Jacobi's method is more accurate than QR", SIAM J. Matrix Anal. 13(4), 1992.
     """
     _turn(a, work)
-    smallest = _product(work[0], work[0])
+    smallest = dot_product(work[0], work[0])
     for i in range(1, a.shape[0]):
-        smallest = min(smallest, _product(work[i], work[i]))
+        smallest = min(smallest, dot_product(work[i], work[i]))
     return math.sqrt(smallest)
 
 
@@ -90,7 +90,7 @@ def largest_singular_value(a: Vector, work: Vector) -> float:
     _turn(a, work)
     largest = 0.0
     for i in range(a.shape[0]):
-        largest = max(largest, _product(work[i], work[i]))
+        largest = max(largest, dot_product(work[i], work[i]))
     return math.sqrt(largest)
 
 
@@ -112,7 +112,7 @@ def _turn(a: Vector, work: Vector) -> None:
 @inner
 def _orthogonal(x: Vector, y: Vector) -> bool:
     """Turn two rows in their plane until they are at right angles; False: they were."""
-    xx, yy, xy = _product(x, x), _product(y, y), _product(x, y)
+    xx, yy, xy = dot_product(x, x), dot_product(y, y), dot_product(x, y)
     if not abs(xy) > EPSILON * math.sqrt(xx * yy):
         return False
     ratio = (yy - xx) / (2.0 * xy)
@@ -152,7 +152,8 @@ def _surely_above(a: Vector, least: float, work: Vector) -> bool:
 
 
 @inner
-def _product(x: Vector, y: Vector) -> float:
+def dot_product(x: Vector, y: Vector) -> float:
+    """X . y, summed from the first entry on."""
     total = 0.0
     for k in range(x.shape[0]):
         total += x[k] * y[k]

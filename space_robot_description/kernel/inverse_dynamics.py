@@ -20,6 +20,7 @@ from space_robot_description.kernel.arrays import (
 from space_robot_description.kernel.coupling import COORDINATE, MULTIPLIER, POSITION, RATE, of_joint
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.spatial import (
+    Mat,
     Vec,
     add,
     cross,
@@ -104,6 +105,15 @@ def inverse_dynamics(robot: RobotArrays, q: Vector, v: Vector, a: Vector, work: 
         _add_to_parent(body, robot.tree[body, PARENT], work)
     u[0], u[1], u[2] = get3(work, BASE, _F)
     u[3], u[4], u[5] = get3(work, BASE, _N)
+
+
+@inner
+def twist_through(turn: Mat, shift: Vec, above: tuple[Vec, Vec], rate: float, prismatic: int) -> tuple[Vec, Vec]:
+    """Twist w, v of a body from that of its parent, its placement as of ``place`` and the rate of its joint."""
+    w, v = mul_t(turn, above[0]), mul_t(turn, add(above[1], cross(above[0], shift)))
+    if prismatic:
+        return w, (v[0], v[1], v[2] + rate)
+    return (w[0], w[1], w[2] + rate), v
 
 
 @inner

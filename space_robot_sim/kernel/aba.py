@@ -7,7 +7,7 @@ momentum [n; f] = [A H; H^T M] [w; v], every joint along or about z, moments tak
 from __future__ import annotations
 
 from space_robot_description.kernel.arrays import BASE, INERTIA, MASS, MOMENT, PARENT, PRISMATIC, RobotArrays
-from space_robot_description.kernel.inverse_dynamics import place
+from space_robot_description.kernel.inverse_dynamics import place, twist_through
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_description.kernel.spatial import (
     Vec,
@@ -63,14 +63,8 @@ def _outward(robot: RobotArrays, y: Vector, work: Vector) -> None:
         else:
             place(robot, body, y[6 + body], work)
             above = robot.tree[body, PARENT]
-            turn, w_above = get9(work, body, R), get3(work, above, W)
-            w = mul_t(turn, w_above)
-            v = mul_t(turn, add(get3(work, above, V), cross(w_above, get3(work, body, P))))
-            rate = y[12 + bodies + body - 1]
-            if robot.tree[body, PRISMATIC]:
-                v = (v[0], v[1], v[2] + rate)
-            else:
-                w = (w[0], w[1], w[2] + rate)
+            turn, shift, twist = get9(work, body, R), get3(work, body, P), (get3(work, above, W), get3(work, above, V))
+            w, v = twist_through(turn, shift, twist, y[12 + bodies + body - 1], robot.tree[body, PRISMATIC])
         put3(work, body, W, w)
         put3(work, body, V, v)
         _own_inertia(robot.links, body, v, w, work)

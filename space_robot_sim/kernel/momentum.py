@@ -16,7 +16,7 @@ from space_robot_description.kernel.arrays import (
     RobotArrays,
 )
 from space_robot_description.kernel.coupling import POSITION, RATE, of_joint
-from space_robot_description.kernel.inverse_dynamics import place
+from space_robot_description.kernel.inverse_dynamics import place, twist_through
 from space_robot_description.kernel.jit import constants, inner, kernel
 from space_robot_description.kernel.quaternion import attitude, matrix
 from space_robot_description.kernel.spatial import (
@@ -29,7 +29,6 @@ from space_robot_description.kernel.spatial import (
     get9,
     mul,
     mul_sym,
-    mul_t,
     product,
     put3,
     scaled,
@@ -74,16 +73,12 @@ def _move(robot: RobotArrays, body: int, y: Vector, work: Vector) -> None:
     else:
         place(robot, body, of_joint(robot.coupling, y, 7, body - 1, POSITION), work)
         above = robot.tree[body, PARENT]
-        relative, shift, w_above = get9(work, body, ROTATION), get3(work, body, ORIGIN), get3(work, above, _W)
+        relative, shift = get9(work, body, ROTATION), get3(work, body, ORIGIN)
         turn_above = get9(work, above, _TURN)
         turn, origin = product(turn_above, relative), add(get3(work, above, _PLACE), mul(turn_above, shift))
-        w = mul_t(relative, w_above)
-        v = mul_t(relative, add(get3(work, above, _V), cross(w_above, shift)))
+        twist = get3(work, above, _W), get3(work, above, _V)
         rate = of_joint(robot.coupling, y, 13 + n, body - 1, RATE)
-        if robot.tree[body, PRISMATIC]:
-            v = (v[0], v[1], v[2] + rate)
-        else:
-            w = (w[0], w[1], w[2] + rate)
+        w, v = twist_through(relative, shift, twist, rate, robot.tree[body, PRISMATIC])
     put3(work, body, _W, w)
     put3(work, body, _V, v)
     for k in range(9):

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from pydantic import Field, PositiveFloat
 
-from space_robot_control.laws.base import Blocks, Law
+from space_robot_control.laws.base import Law
 from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.computed_torque.kernel.answer import (
     TorqueContext,
@@ -16,6 +16,7 @@ from space_robot_control.laws.computed_torque.kernel.answer import (
     torque_memory,
 )
 from space_robot_control.laws.gain_range import GainRange, GainRanges
+from space_robot_control.laws.inverse_dynamics import InverseDynamics
 from space_robot_control.nominal_model import NominalModel
 from space_robot_control.per_dof import Axes, Joints, PerDof
 from space_robot_control.sampled_stability import stability_margin
@@ -23,8 +24,8 @@ from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.fields import DYNAMIC
 from space_robot_description.kernel.context import context_of
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import ControlError, SpecError
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
+from space_robot_msgs_py.errors import SpecError
+from space_robot_msgs_py.interfaces import Vector
 
 
 class Bandwidth(PerDof):
@@ -35,7 +36,7 @@ class Bandwidth(PerDof):
     joints: Joints = Field(default=0.5, description="one number, a list, or a mapping by joint name [rad/s]")
 
 
-class ComputedTorque(Law):
+class ComputedTorque(InverseDynamics):
     """u = M0(q) a + c0(q, v) + omega x h with a = feed-forward + Kd e_v + Kp e_x, Kp = wn^2 and Kd = 2 zeta wn per DoF.
 
     M0 and c0 are the nominal robot's, h the momentum of its wheels (``gyroscopic``, added), e_x, e_v and the
@@ -84,7 +85,7 @@ class ComputedTorque(Law):
         super().__init__(robot, control_period, gains)
         self.model = NominalModel(robot)
         self._memory, self._row = torque_memory(robot.n, len(robot.mimics)), _layout(robot.n)
-        self._answer = Answering(answer, robot.n, self._row)
+        self._answer, self._acceleration = Answering(answer, robot.n, self._row), self._memory.acceleration
         self.retune(self.gains)
 
     def retune(self, gains: Gains) -> None:
@@ -94,27 +95,8 @@ class ComputedTorque(Law):
             _check_stability(wn, gains.damping, self.control_period, self.robot)
         floating, gyroscopic = int(self.robot.base_mode == "free_floating"), int(gains.gyroscopic)
         rule = TorqueRule(wn * wn, 2.0 * gains.damping * wn, self.model.mass, floating, gyroscopic)
-        self._context = context_of(TorqueContext(rule, self._memory, self.model.arrays), keep)
-
-    def prepare(self) -> None:
-        """Compile the answer."""
-        self._answer.prepare()
-
-    def compiled(self) -> CompiledLaw:
-        """The law for compiled runs."""
-        return CompiledLaw(answer, self._context, self._row)
-
-    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class.
-
-        Raises:
-            ControlError: the inverse dynamics of the nominal model is not finite.
-        """
-        status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
-        if status:
-            value = self._memory.acceleration.tolist()
-            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=value)
-        return u, self._row.blocks(row)
+        context = context_of(TorqueContext(rule, self._memory, self.model.arrays), keep)
+        self._form = CompiledLaw(answer, context, self._row)
 
 
 def _layout(n: int) -> Layout:

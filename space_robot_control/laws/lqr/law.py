@@ -19,7 +19,7 @@ from space_robot_control.laws.lqr.kernel import answer as kernel
 from space_robot_control.laws.lqr.kernel.design import DesignMemory, RegulatorRule
 from space_robot_control.laws.lqr.kernel.regulator import MADE, regulator_memory
 from space_robot_control.laws.lqr.kernel.riccati import UNSOLVED, UNSTABLE
-from space_robot_control.nominal_model import NominalModel
+from space_robot_control.nominal_model import NominalModel, not_finite
 from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.actuation import torque_capacity
 from space_robot_description.fields import DYNAMIC
@@ -159,8 +159,7 @@ class Lqr(Law):
         """Status, u (6+n,) and row of telemetry of one answer; a status that has no words is a subclass's own."""
         status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
         if status == UNUSABLE:
-            value = self._memory.acceleration.tolist()
-            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=value)
+            raise not_finite(self._memory.acceleration)
         if status == UNSOLVED:
             raise ControlError("the Riccati equation has no solution that is found", key="X", accepted=INPUTS)
         if status == UNSTABLE:

@@ -19,12 +19,11 @@ from space_robot_control.laws.ntsmc.kernel import answer as kernel
 from space_robot_control.laws.ntsmc.kernel.answer import ACTUAL, Terminal, TerminalRule, terminal_memory
 from space_robot_control.laws.ntsmc.kernel.terminal import E
 from space_robot_control.laws.ntsmc.sliding_mode import SlidingMode, review_loop_gain
-from space_robot_control.nominal_model import NominalModel
+from space_robot_control.nominal_model import NominalModel, not_finite
 from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.kernel.cache import cached
 from space_robot_description.kernel.context import Context, context_of
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import ControlError
 from space_robot_msgs_py.interfaces import Command, Reference, RobotState, Vector
 
 
@@ -124,8 +123,7 @@ class TerminalSliding(Law):
             memory.disturbance[:] = self.observer.update(state.v)
         status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
         if status:
-            value = memory.acceleration.tolist()
-            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=value)
+            raise not_finite(memory.acceleration)
         blocks = self.layout.blocks(row)
         if observed:
             # The acceleration under a clipped command is not known here; the estimate then pauses.

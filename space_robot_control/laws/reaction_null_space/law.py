@@ -6,9 +6,10 @@ from typing import ClassVar
 
 from pydantic import Field, PositiveFloat
 
-from space_robot_control.laws.base import Blocks, Law
+from space_robot_control.laws.base import Law
 from space_robot_control.laws.compiled import Answering, CompiledLaw, Layout
 from space_robot_control.laws.gain_range import GainRange, GainRanges
+from space_robot_control.laws.inverse_dynamics import InverseDynamics
 from space_robot_control.laws.reaction_null_space.kernel.answer import (
     NullSpaceContext,
     NullSpaceRule,
@@ -21,11 +22,9 @@ from space_robot_control.tracking import ERROR_FIELDS
 from space_robot_description.fields import DYNAMIC
 from space_robot_description.kernel.context import context_of
 from space_robot_description.robot import Robot
-from space_robot_msgs_py.errors import ControlError
-from space_robot_msgs_py.interfaces import Reference, RobotState, Vector
 
 
-class ReactionNullSpace(Law):
+class ReactionNullSpace(InverseDynamics):
     """u = M0(q) [a_b, a_J] + c0(q, v) + omega x h: joints along N (q_d' + k e), N the filter of reaction-free rates.
 
     With H_b, H_bm the base's own and the coupling inertia, J = -H_b^-1 H_bm is the generalised Jacobian of the base:
@@ -92,7 +91,7 @@ class ReactionNullSpace(Law):
         base = 3 if robot.base_mode == "free_floating" else 6
         self.model, self._row = NominalModel(robot), _layout(robot.n, base)
         self._memory = null_space_memory(robot.n, base, len(robot.mimics))
-        self._answer = Answering(answer, robot.n, self._row)
+        self._answer, self._acceleration = Answering(answer, robot.n, self._row), self._memory.acceleration
         self.retune(self.gains)
 
     def retune(self, gains: Gains) -> None:
@@ -101,27 +100,8 @@ class ReactionNullSpace(Law):
         decay, bandwidth = gains.rate / (1.0 + gains.rate * T), gains.bandwidth / (1.0 + gains.bandwidth * T)
         numbers = T, gains.stiffness, decay, bandwidth, gains.weight, self.model.mass
         rule = NullSpaceRule(*numbers, floating, int(gains.gyroscopic))
-        self._context = context_of(NullSpaceContext(rule, self._memory, self.model.arrays), keep)
-
-    def prepare(self) -> None:
-        """Compile the answer."""
-        self._answer.prepare()
-
-    def compiled(self) -> CompiledLaw:
-        """The law for compiled runs."""
-        return CompiledLaw(answer, self._context, self._row)
-
-    def compute(self, state: RobotState, reference: Reference) -> tuple[Vector, Blocks]:
-        """Return u and the telemetry listed at the class.
-
-        Raises:
-            ControlError: the inverse dynamics of the nominal model is not finite.
-        """
-        status, u, row = self._answer(self._context, state, reference, self.wheels.momentum)
-        if status:
-            value = self._memory.acceleration.tolist()
-            raise ControlError("inverse dynamics of the nominal model is not finite", key="a", value=value)
-        return u, self._row.blocks(row)
+        context = context_of(NullSpaceContext(rule, self._memory, self.model.arrays), keep)
+        self._form = CompiledLaw(answer, context, self._row)
 
 
 def _layout(n: int, base: int) -> Layout:

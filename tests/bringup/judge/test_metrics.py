@@ -100,6 +100,22 @@ def test_the_verdict_says_the_error_of_the_integration(error: float | None, pass
     assert found == ([] if passed is None else [passed])
 
 
+@pytest.mark.parametrize(
+    ("name", "bound"),
+    [
+        ("momentum_residual", 1e-8),
+        ("energy_residual", 1e-7),
+        ("quaternion_residual", 1e-8),
+        ("integration_error", 1e-5),
+    ],
+)
+def test_a_plant_that_is_off_by_more_than_its_bound_fails_whatever_is_expected(name: str, bound: float) -> None:
+    """At the bound it passes; beyond it, and where the number is none, it does not."""
+    for value, passed in ((bound, True), (1.01 * bound, False), (float("nan"), False)):
+        checks = judge(replace(step_response(ticks=30), **{name: value}), {}, "completed")
+        assert [check.passed for check in checks if check.name == name] == [passed], value
+
+
 def test_the_verdict_fails_what_is_missing_or_out_of_bounds() -> None:
     """A bound on a number the run does not have fails; an unknown metric is refused with the nearest name."""
     metrics = step_response(ticks=30)

@@ -16,7 +16,7 @@ from space_robot_control.kernel.nominal import actuated_forces, add_gyroscopic
 from space_robot_control.kernel.tracking import track
 from space_robot_description.kernel.arrays import RobotArrays
 from space_robot_description.kernel.context import kind_of, loaded, stored
-from space_robot_description.kernel.dense import factor, solve
+from space_robot_description.kernel.dense import dot_product, factor, solve
 from space_robot_description.kernel.jit import inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 
@@ -159,7 +159,7 @@ def _command_rates(law: NullSpaceContext, q: Vector, v: Vector, v_d: Vector, a_d
     for i in range(n):
         row[i] = memory.now[i]
     for i in range(memory.column.shape[0]):
-        row[n + i] = _along(memory.jacobian[i], memory.now)
+        row[n + i] = dot_product(memory.jacobian[i], memory.now)
     for i in range(7):
         memory.ahead[i] = q[i]
     for i in range(n):
@@ -217,8 +217,8 @@ def _filter(rule: NullSpaceRule, memory: NullSpaceMemory, out: Vector) -> bool:
     weight = rule.weight * rule.weight
     for i in range(b):
         for j in range(b):
-            square[i, j] = weight * _along(jacobian[i], jacobian[j]) + (1.0 if i == j else 0.0)
-        memory.column[i] = weight * _along(jacobian[i], memory.rates)
+            square[i, j] = weight * dot_product(jacobian[i], jacobian[j]) + (1.0 if i == j else 0.0)
+        memory.column[i] = weight * dot_product(jacobian[i], memory.rates)
     if not factor(square, memory.pivots):
         return False
     solve(square, memory.pivots, memory.column)
@@ -228,11 +228,3 @@ def _filter(rule: NullSpaceRule, memory: NullSpaceMemory, out: Vector) -> bool:
             back += jacobian[i, k] * memory.column[i]
         out[k] = memory.rates[k] - back
     return True
-
-
-@inner
-def _along(x: Vector, y: Vector) -> float:
-    total = 0.0
-    for k in range(x.shape[0]):
-        total += x[k] * y[k]
-    return total
