@@ -6,6 +6,7 @@ import linecache
 import sys
 from hashlib import sha256
 from pathlib import Path
+from types import FunctionType
 
 from space_robot_control.laws.base import Law
 from space_robot_control.laws.registry import BUILT_IN
@@ -43,6 +44,10 @@ def source_of(cls: type[Law]) -> LawSource | None:
 
 
 def _typed(cls: type[Law]) -> LawSource | None:
-    """What was typed where there is no file: notebooks keep the text of their cells for tracebacks."""
-    text = "".join(linecache.getlines(cls.compute.__code__.co_filename))
+    """What was typed where there is no file: notebooks keep the text of their cells for tracebacks.
+
+    The cell is that of a function of the class itself; None where it has none, or none that is kept.
+    """
+    functions = (value for value in vars(cls).values() if isinstance(value, FunctionType))
+    text = next(filter(None, ("".join(linecache.getlines(one.__code__.co_filename)) for one in functions)), "")
     return LawSource(cls.__qualname__, sha256(text.encode()).hexdigest(), text) if text else None

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 import space_robot as sr
+from space_robot_control.laws.registry import law_class
+from space_robot_control.laws.source import source_of
 from space_robot_studies.engine import spawner
 from tests.support.tool import Tool
 
@@ -100,6 +102,20 @@ def test_a_law_of_a_notebook_cell_runs_replays_and_sweeps(
     (tmp_path / "few.yaml").write_text(f"experiment: {NAME}\nruns: 1\n", encoding="utf-8")
     few = sr.campaign(tmp_path / "few.yaml", changes, out=tmp_path / "few", workers=1)
     assert few.to_pandas()["effort_integral"].tolist() == [mine["effort_integral"]]
+
+
+def test_the_source_of_a_law_in_a_cell_is_that_of_its_own_functions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A law that inherits `compute` from a shipped one is not logged with the text of that one."""
+    text = "def reset(self):\n    super(type(self), self).reset()\n"
+    monkeypatch.setitem(linecache.cache, "<other>", (len(text), None, text.splitlines(keepends=True), "<other>"))
+    monkeypatch.setitem(sys.modules, "__main__", ModuleType("__main__"))
+    own: dict[str, object] = {"__module__": "__main__"}
+    shipped = law_class("pd")
+    assert source_of(type("Same", (shipped,), dict(own))) is None
+    exec(compile(text, "<other>", "exec"), own)
+    found = source_of(type("Other", (shipped,), own))
+    assert found is not None
+    assert found.text == text
 
 
 def test_where_a_law_of_this_program_cannot_be_is_said(cell: type[sr.Law], tmp_path: Path) -> None:
