@@ -6,8 +6,8 @@
 # A sequence that is longer than its bound and a fixed array that is longer than its size lose their tail; a shorter fixed
 # array is filled with zeros (so two of three coordinates make a valid point); a key that is not in the definition is
 # dropped, and the field that it was meant for gets its default. None of this raises or warns, though the package has a
-# ROS2EncodeError; but a string is written beyond its bound, which other readers need not accept. rclpy with checks and
-# rosbags refuse all of these. Cure: compare keys and lengths with the definition before writing.
+# ROS2EncodeError; but a string is written beyond its bound, which other readers need not accept.
+# Cure: compare keys and lengths with the definition before writing.
 #
 # Seen: "float64[3]: [1.0, 2.0] -> [1.0, 2.0, 0.0], [1.0, 2.0, 3.0, 4.0] -> [1.0, 2.0, 3.0]; float64[<=3]: -> [1.0, 2.0, 3.0]"
 #       "string<=3: abcdef -> abcdef; {'positon': 2.0} -> position 0.0"

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Pinocchio builds a massless link from a URDF whose mass has a space before the number; the tensor goes with five attributes.
+# Pinocchio builds a massless link from a URDF whose mass has a space before the number; the tensor goes where ixy is missing.
 #
 # pin 4.1.0, mujoco 4.0.0, NumPy 2.4.6, Python 3.11, Linux.
 #
 # Its URDF parser prints a line on stderr when it cannot read an <inertial>, and goes on with what it has: with mass " 2 "
-# (white space round a number is usual in XML, and what some generators of files leave) the whole element is gone; without
-# ixy, ixz and iyz (the schema of URDF gives 0 for them) the mass stays and the tensor is zero. No exception, and the model
+# (a number in XML may have white space round it) the whole element is gone; without
+# ixy, ixz and iyz the mass stays and the tensor is zero. No exception, and the model
 # computes: dynamics are of another robot. MuJoCo reads 2 kg from the first file and refuses the second.
 # Cure: compare masses and inertias of the model with the file after loading.
 #
