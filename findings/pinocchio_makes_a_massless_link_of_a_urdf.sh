@@ -4,9 +4,9 @@
 # pin 4.1.0, mujoco 4.0.0, NumPy 2.4.6, Python 3.11, Linux.
 #
 # Its URDF parser prints a line on stderr when it cannot read an <inertial>, and goes on with what it has: with mass " 2 "
-# (a number in XML may have white space round it) the whole element is gone; without
-# ixy, ixz and iyz the mass stays and the tensor is zero. No exception, and the model
-# computes: dynamics are of another robot. MuJoCo reads 2 kg from the first file and refuses the second.
+# (a number in XML may have white space round it) the whole element is gone; without ixy, ixz and iyz the mass stays and the
+# tensor is zero. No exception, and the model computes: dynamics are of another robot. MuJoCo reads 2 kg from the first file
+# and refuses the second.
 # Cure: compare masses and inertias of the model with the file after loading.
 #
 # Seen: "mass ' 2 ': Pinocchio 0.0 kg, MuJoCo 2.0 kg; only ixx, iyy, izz: Pinocchio 2.0 kg, trace 0.0, MuJoCo ValueError"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from statistics import median
@@ -20,6 +21,10 @@ BY_PERIOD = (
     "points with a held-out draw that did not complete or misses a constraint; they do not enter medians. Gained: the "
     "median of the objective with the gains it is given over that with those of the search. At an edge: points whose "
     "best gains lie at the end of a range."
+)
+BRIEF = (
+    "Per law and control period the median, over {points} points, of its mean objective over that of the best law of "
+    "the point; in brackets the points where it is not separated from the best one."
 )
 BY_TASK = "The same by task, over all periods."
 OF_KNOWLEDGE = (
@@ -63,15 +68,21 @@ def digest_of(table: Table, titles: Mapping[str, str]) -> str:
         groups = ([place for place in places if (place.law, place.task) == (law, task)] for task in tasks)
         lines.append([f"`{law}`", *map(_middle, groups)])
     by_task = markdown_table(["law", *(titles.get(task) or task for task in tasks)], lines)
-    return "\n\n".join([_by_period(places), BY_TASK, by_task, *_knowledge(table, laws)]) + "\n"
+    return (
+        "\n\n".join([BY_PERIOD, markdown_table(*_periods(places)), BY_TASK, by_task, *_knowledge(table, laws)]) + "\n"
+    )
 
 
 def brief_of(table: Table, titles: Mapping[str, str]) -> str:
-    """The first of the tables; see ``digest_of``."""
-    return f"{_by_period(list(_places(table)))}\n"
+    """The ratios of the first of the tables; see ``digest_of``."""
+    heads, lines = _periods(list(_places(table)))
+    caption = BRIEF.format(points=len({(row["task"], json.dumps(row["point"], sort_keys=True)) for row in table.rows}))
+    ratios = [cells[: heads.index("all") + 1] for cells in (heads, *lines)]
+    return f"{caption}\n\n{markdown_table(ratios[0], ratios[1:])}\n"
 
 
-def _by_period(places: Sequence[Place]) -> str:
+def _periods(places: Sequence[Place]) -> tuple[list[str], list[list[str]]]:
+    """Headings, and a line per law."""
     laws = dict.fromkeys(place.law for place in places)
     periods = sorted({place.period for place in places}, key=float)
     lines = []
@@ -82,8 +93,7 @@ def _by_period(places: Sequence[Place]) -> str:
         unranked, edge = map(str, counts)
         gained = _median([place.gained for place in own])
         lines.append([f"`{law}`", *map(_counted, groups), _counted(own), unranked, gained, edge])
-    heads = ["law", *(f"{period} s" for period in periods), "all", "no rank", "gained", "at an edge"]
-    return f"{BY_PERIOD}\n\n{markdown_table(heads, lines)}"
+    return ["law", *(f"{period} s" for period in periods), "all", "no rank", "gained", "at an edge"], lines
 
 
 def _places(table: Table) -> Iterator[Place]:

@@ -31,7 +31,7 @@ FORMS: dict[str | None, Callable[[Table, Mapping[str, str]], str]] = {
 }
 
 # What speaks of all points says how many of them are measured.
-WHOLE = ("in brief", "in short", "at a glance")
+WHOLE = ("in short", "at a glance")
 
 
 def filled(text: str) -> str:

@@ -78,7 +78,7 @@ def test_a_point_alone_gives_the_rows_of_the_whole(judged: tuple[Path, Benchmark
 
 
 def test_numbers_that_differ_by_rounding_are_equal_in_a_table(judged: tuple[Path, BenchmarkResult]) -> None:
-    """Seven digits of each: laws that do the same would else be told apart, in all draws alike."""
+    """Seven digits of each: laws that do the same would else differ, in all draws alike."""
     rows = judged[1].table.rows
     numbers = [draw["objective"] for row in rows for side in ("shipped", "tuned") for draw in row[side]]
     assert len(set(numbers)) > len(rows)
