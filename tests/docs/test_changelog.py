@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 
 from tests.docs.pages import ROOT
 
@@ -33,3 +34,12 @@ def test_sections_are_those_of_the_format() -> None:
     assert first == "Unreleased"
     assert all(re.fullmatch(r"\[?\d+\.\d+\.\d+\]? - \d{4}-\d\d-\d\d", version) for version in versions)
     assert set(re.findall(r"^### (.*)$", TEXT, re.MULTILINE)) <= KINDS
+
+
+def test_the_newest_version_is_that_of_the_package() -> None:
+    """A version that is cut has its section, and the date of the citation."""
+    (_, version, date), *_ = re.findall(r"^## (\[?)(\d+\.\d+\.\d+)\]? - (\S+)$", TEXT, re.MULTILINE)
+    package = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert package["project"]["version"] == version
+    assert f"\nversion: {version}\ndate-released: {date}\n" in citation
