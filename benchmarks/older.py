@@ -21,7 +21,7 @@ from time import perf_counter
 
 HERE = Path(__file__).resolve().parents[1]
 CASE, PERIOD = "liu2023/fig08", 0.1
-SHORT, LONG = 200, 1200
+SHORT, LONG = 200, 5200
 MODES = ("graph", "processes")
 
 

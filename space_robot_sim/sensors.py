@@ -51,14 +51,17 @@ class Sensors:
     def reset(self) -> None:
         """Forget delayed readings and restart every generator."""
         # Generators take longer to make than all else here, and ideal channels have no use for them.
-        children = [] if self.ideal else np.random.SeedSequence(self._seed).spawn(len(CHANNELS))
-        self._rng = {name: np.random.default_rng(child) for name, child in zip(CHANNELS, children, strict=False)}
+        ideal = dict(zip(READ, self.rule.ideal, strict=True))
+        self._rng = {name: self._generator(place) for place, name in enumerate(CHANNELS) if not ideal[name]}
         self._tick = 0
         self._wheels: WheelReading | None = None
         if self._wheel_rule is not None:
             # After the others, whose generators stay what they are without it.
-            generator = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(len(CHANNELS),)))
-            self._wheels = WheelReading(self._wheel_rule, generator)
+            self._wheels = WheelReading(self._wheel_rule, self._generator(len(CHANNELS)))
+
+    def _generator(self, place: int) -> np.random.Generator:
+        """The generator of a channel, which no other channel changes."""
+        return np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(place,)))
 
     def draws(self, ticks: int) -> Vector:
         """The random numbers (ticks, 15+2n) of so many further readings; as many at once as one by one."""

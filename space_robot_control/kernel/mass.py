@@ -10,7 +10,7 @@ import numpy.typing as npt
 from space_robot_control.kernel.nominal import actuated_forces
 from space_robot_description.kernel.arrays import RobotArrays
 from space_robot_description.kernel.inverse_dynamics import MOTION_SIZE
-from space_robot_description.kernel.jit import inner
+from space_robot_description.kernel.jit import called, inner
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -47,7 +47,7 @@ def inertia_times(
     return actuated_forces(robot, mass, floating, q, work.still, a, work.bodies, out)
 
 
-@inner
+@called
 def inertia(robot: RobotArrays, mass: float, floating: int, q: Vector, work: MassWork, out: Vector) -> bool:
     """Write H (m, m), of the degrees of freedom that have an actuator. False: not finite."""
     size, finite = work.still.shape[0], True

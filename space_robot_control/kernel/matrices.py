@@ -7,7 +7,7 @@ of its columns at once, and changes no bit.
 from __future__ import annotations
 
 from space_robot_description.kernel import jit
-from space_robot_description.kernel.jit import inner
+from space_robot_description.kernel.jit import called, inner
 from space_robot_msgs_py.interfaces import Vector
 
 if jit.MACHINE_CODE:
@@ -25,7 +25,7 @@ else:
         out += scale * row
 
 
-@inner
+@called
 def clear(out: Vector, diagonal: float) -> None:
     """Write zeros into out (r, c), and a number on its diagonal."""
     for i in range(out.shape[0]):
@@ -33,7 +33,7 @@ def clear(out: Vector, diagonal: float) -> None:
             out[i, j] = diagonal if i == j else 0.0
 
 
-@inner
+@called
 def copy(a: Vector, out: Vector) -> None:
     """Write a (r, c) into out."""
     for i in range(a.shape[0]):
@@ -41,7 +41,7 @@ def copy(a: Vector, out: Vector) -> None:
             out[i, j] = a[i, j]
 
 
-@inner
+@called
 def transpose(a: Vector, out: Vector) -> None:
     """Write the transpose of a (r, c) into out (c, r)."""
     for i in range(a.shape[0]):
@@ -49,7 +49,7 @@ def transpose(a: Vector, out: Vector) -> None:
             out[j, i] = a[i, j]
 
 
-@inner
+@called
 def add_product(a: Vector, b: Vector, out: Vector) -> None:
     """Add a b to out, a (r, s) and b (s, c)."""
     for i in range(a.shape[0]):
@@ -58,14 +58,14 @@ def add_product(a: Vector, b: Vector, out: Vector) -> None:
             add_scaled(row, a[i, k], b[k])
 
 
-@inner
+@called
 def multiply(a: Vector, b: Vector, out: Vector) -> None:
     """Write a b into out."""
     clear(out, 0.0)
     add_product(a, b, out)
 
 
-@inner
+@called
 def add_transposed_product(a: Vector, b: Vector, out: Vector) -> None:
     """Add a^T b to out (r, c), a (s, r) and b (s, c)."""
     for k in range(a.shape[0]):
@@ -74,7 +74,7 @@ def add_transposed_product(a: Vector, b: Vector, out: Vector) -> None:
             add_scaled(out[i], a[k, i], row)
 
 
-@inner
+@called
 def add_symmetric(a: Vector, out: Vector) -> float:
     """Add (a + a^T) / 2 to out (s, s); returns the largest magnitude of what was added."""
     largest = 0.0
@@ -86,7 +86,7 @@ def add_symmetric(a: Vector, out: Vector) -> float:
     return largest
 
 
-@inner
+@called
 def largest_of(a: Vector) -> float:
     """The largest magnitude in a (r, c)."""
     largest = 0.0
@@ -102,7 +102,7 @@ def _larger(largest: float, number: float) -> float:
     return abs(number) if largest == largest and not abs(number) <= largest else largest
 
 
-@inner
+@called
 def divide(a: Vector, b: Vector) -> bool:
     """Replace b (s, c) by a^-1 b, and a (s, s) by its LU factors with row pivoting; False: a has no inverse."""
     size = a.shape[0]

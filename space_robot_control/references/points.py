@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from space_robot_control.references.profile import in_body, quintic
+from space_robot_control.references.profile import in_body, quintic, turned
 from space_robot_control.references.rows import identity_of
 from space_robot_description.rotations import exp, log, product, relative
 from space_robot_msgs_py.errors import SpecError
@@ -97,6 +97,18 @@ class PointToPoint:
     def at(self, stamp: int) -> Reference:
         """Return the reference at a stamp [ns]."""
         return in_body(stamp, *self.motion(stamp))
+
+    def rows(self, stamps: Sequence[int]) -> tuple[Vector, Vector, Vector]:
+        """See ``rows.rows_of``; at rest all ticks have the same row."""
+        q, v, a = list[Sequence[float]](), list[Sequence[float]](), list[Sequence[float]]()
+        for stamp in stamps:
+            motion = self.motion(stamp)
+            if not q or motion[0] is not q[-1]:
+                body_v, body_a = turned(*motion)
+            q.append(motion[0])
+            v.append(body_v)
+            a.append(body_a)
+        return np.array(q), np.array(v), np.array(a)
 
     def motion(self, stamp: int) -> tuple[list[float], list[float], list[float]]:
         """Return q (7+n,), v and a (6+n,) at a stamp [ns], the linear parts of v and a in the inertial frame."""

@@ -39,13 +39,18 @@ def in_body(stamp: int, q: Sequence[float], v: Sequence[float], a: Sequence[floa
         v: (6+n,) [p' inertial, w desired body, joint rates] [m/s, rad/s].
         a: (6+n,) [p'' inertial, w' desired body, joint accelerations] [m/s2, rad/s2].
     """
+    body_v, body_a = turned(q, v, a)
+    # Reference makes its own arrays of whatever it gets; making them here would make them twice.
+    return Reference(stamp, cast(Vector, q), cast(Vector, body_v), cast(Vector, body_a))
+
+
+def turned(q: Sequence[float], v: Sequence[float], a: Sequence[float]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return v and a (6+n,) of ``in_body``, all in the desired body frame; arguments see there."""
     attitude = q[3:7]
     linear = rotate_inverse(attitude, v[:3])
     x, y, z = rotate_inverse(attitude, a[:3])
     cx, cy, cz = cross(v[3:6], linear)
-    body_v, body_a = (*linear, *v[3:]), (x - cx, y - cy, z - cz, *a[3:])
-    # Reference makes its own arrays of whatever it gets; making them here would make them twice.
-    return Reference(stamp, cast(Vector, q), cast(Vector, body_v), cast(Vector, body_a))
+    return (*linear, *v[3:]), (x - cx, y - cy, z - cz, *a[3:])
 
 
 def nanoseconds(seconds: float, key: str) -> int:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from space_robot_description.kernel.jit import inner, kernel
+from space_robot_description.kernel.jit import called, inner, kernel
 from space_robot_msgs_py.interfaces import Vector
 
 # Of one-sided Jacobi; it converges quadratically, so that a handful is enough for any matrix.
@@ -94,7 +94,7 @@ def largest_singular_value(a: Vector, work: Vector) -> float:
     return math.sqrt(largest)
 
 
-@inner
+@called
 def _turn(a: Vector, work: Vector) -> None:
     """Write the columns of a as rows of ``work``, turned until all are at right angles."""
     size = a.shape[0]
@@ -124,7 +124,7 @@ def _orthogonal(x: Vector, y: Vector) -> bool:
     return True
 
 
-@inner
+@called
 def _surely_above(a: Vector, least: float, work: Vector) -> bool:
     """True only if the smallest singular value is above a bound: a^T a - bound^2 has a Cholesky factor."""
     size, trace = a.shape[0], 0.0
@@ -181,7 +181,7 @@ def diagonalise(a: Vector, vectors: Vector) -> None:
             return
 
 
-@inner
+@called
 def _turn_axes(a: Vector, vectors: Vector, p: int, q: int) -> None:
     """Make a[p, q] zero by a turn in the plane of both."""
     ratio = 0.5 * (a[q, q] - a[p, p]) / a[p, q]

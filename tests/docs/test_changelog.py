@@ -42,4 +42,4 @@ def test_the_newest_version_is_that_of_the_package() -> None:
     package = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert package["project"]["version"] == version
-    assert f"\nversion: {version}\ndate-released: {date}\n" in citation
+    assert f'\nversion: {version}\ndate-released: "{date}"\n' in citation

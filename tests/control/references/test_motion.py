@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from space_robot_control.references import make_reference
 from space_robot_control.references.points import PointToPoint
-from space_robot_control.references.profile import in_body, quintic
+from space_robot_control.references.profile import quintic
 from space_robot_control.references.rows import rows_of
 from space_robot_control.references.spline import RestToRestSpline
 from space_robot_description import rotations as rot
@@ -196,11 +196,13 @@ def test_rows_of_the_same_motion_are_evaluated_once(monkeypatch: pytest.MonkeyPa
     """A study that runs a motion again does not evaluate it again; other stamps, ends and signs of zero are others."""
     evaluated: list[int] = []
 
-    def counted(self: PointToPoint, stamp: int) -> Reference:
-        evaluated.append(stamp)
-        return in_body(stamp, *self.motion(stamp))
+    motion = PointToPoint.motion
 
-    monkeypatch.setattr(PointToPoint, "at", counted)
+    def counted(self: PointToPoint, stamp: int) -> tuple[list[float], list[float], list[float]]:
+        evaluated.append(stamp)
+        return motion(self, stamp)
+
+    monkeypatch.setattr(PointToPoint, "motion", counted)
     first, second = (np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, angle]) for angle in (0.125, 0.375))
     negative = second * np.array([-1.0, *np.ones(7)])
     for last, ticks, more in ((second, 5, 5), (second, 5, 0), (second, 6, 6), (first, 5, 5), (negative, 5, 5)):

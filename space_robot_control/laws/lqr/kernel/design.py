@@ -12,7 +12,7 @@ from space_robot_control.kernel.mass import MassWork, inertia
 from space_robot_control.kernel.matrices import clear, divide
 from space_robot_control.laws.lqr.kernel.riccati import RiccatiRoom, riccati_room, solve_riccati
 from space_robot_description.kernel.arrays import RobotArrays
-from space_robot_description.kernel.jit import inner
+from space_robot_description.kernel.jit import called
 from space_robot_msgs_py.interfaces import Vector
 
 
@@ -73,7 +73,7 @@ def design_memory(joints: int, inputs: int) -> DesignMemory:
     return DesignMemory(np.zeros(joints), *model, np.zeros((m, m)), np.zeros((m, m)), riccati_room(s, m))
 
 
-@inner
+@called
 def make_design(rule: RegulatorRule, robot: RobotArrays, q: Vector, work: MassWork, design: DesignMemory) -> int:
     """Make the regulator at rest in a configuration (7+n,); returns a status, see ``solve_riccati``.
 

@@ -14,7 +14,7 @@ from space_robot_control.kernel.nominal import actuated_forces, add_gyroscopic
 from space_robot_control.kernel.tracking import track
 from space_robot_control.laws.lqr.kernel.design import DesignMemory, RegulatorRule, design_memory, make_design
 from space_robot_description.kernel.arrays import RobotArrays
-from space_robot_description.kernel.jit import inner
+from space_robot_description.kernel.jit import called, inner
 from space_robot_msgs_py.interfaces import Vector
 
 MADE, DESIGNS = range(2)
@@ -65,7 +65,7 @@ def regulator_example() -> tuple[RegulatorRule, RegulatorMemory, RobotArrays]:
     return rule, regulator_memory(0, 3), RobotArrays(np.zeros((1, 3), dtype=np.int64), none, none)
 
 
-@inner
+@called
 def regulate(
     rule: RegulatorRule,
     memory: RegulatorMemory,
@@ -116,7 +116,7 @@ def show(rule: RegulatorRule, memory: RegulatorMemory, u: Vector, row: Vector) -
     return written
 
 
-@inner
+@called
 def _choose_design(rule: RegulatorRule, memory: RegulatorMemory, robot: RobotArrays, q: Vector) -> int:
     """Keep the regulator of the last posture, or make one where the arm has left it."""
     design = memory.design

@@ -22,7 +22,7 @@ from space_robot_control.kernel.matrices import (
     multiply,
     transpose,
 )
-from space_robot_description.kernel.jit import inner
+from space_robot_description.kernel.jit import called
 from space_robot_msgs_py.interfaces import Vector
 
 # Every step doubles the number of periods that are looked ahead: 2^40 of them are more than any loop needs.
@@ -56,7 +56,7 @@ def riccati_room(states: int, inputs: int) -> RiccatiRoom:
     return RiccatiRoom(f, g, w, wf, wg, first, second, *more)
 
 
-@inner
+@called
 def solve_riccati(a: Vector, b: Vector, room: RiccatiRoom, cost: Vector, gain: Vector, closed: Vector) -> int:
     """Write X and K of X = A^T X (I + B B^T X)^-1 A + I and K = (I + B^T X B)^-1 B^T X A.
 
@@ -89,7 +89,7 @@ def solve_riccati(a: Vector, b: Vector, room: RiccatiRoom, cost: Vector, gain: V
     return SOLVED
 
 
-@inner
+@called
 def _double(a: Vector, b: Vector, room: RiccatiRoom, h: Vector) -> bool:
     """Write X, to as many digits as I + G H leaves. False: it does not converge."""
     f, g, w = room.f, room.g, room.w
@@ -120,7 +120,7 @@ def _double(a: Vector, b: Vector, room: RiccatiRoom, h: Vector) -> bool:
     return False
 
 
-@inner
+@called
 def _divide_both(w: Vector, f: Vector, g: Vector, room: RiccatiRoom) -> bool:
     """Write W^-1 F and W^-1 G, and over W. False: there is no inverse."""
     size = f.shape[0]
@@ -135,7 +135,7 @@ def _divide_both(w: Vector, f: Vector, g: Vector, room: RiccatiRoom) -> bool:
     return True
 
 
-@inner
+@called
 def _take_cost(gain: Vector, closed: Vector, room: RiccatiRoom, total: Vector) -> bool:
     """Write the sum of (A^T)^k (I + K^T K) A^k over all k, A closed: Smith's doubling, positive terms alone.
 
@@ -161,7 +161,7 @@ def _take_cost(gain: Vector, closed: Vector, room: RiccatiRoom, total: Vector) -
     return False
 
 
-@inner
+@called
 def _take_gain(a: Vector, b: Vector, room: RiccatiRoom, cost: Vector, gain: Vector, closed: Vector) -> bool:
     """Write K of a cost X, and A - B K. False: there is no inverse."""
     multiply(cost, b, room.xb)
